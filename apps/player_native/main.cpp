@@ -28,7 +28,7 @@ struct Options {
   bool headless = false, no_open = false, as_json = false;
   std::uint64_t frames = 0, steps = 0;
   std::uint16_t port = 0;
-  int osc = -1;  // UDP port for OSC; -1: none
+  int osc = -1;  // UDP port that receives OSC (Open Sound Control); -1: no port
   std::string out, inputs;
 };
 
@@ -109,7 +109,7 @@ int run_page(content::Player player, std::string page, const Options& o) {
   const std::string address = (*server)->address();
   std::unique_ptr<player_native::OscReceiver> osc;
   if (o.osc >= 0) {
-    constexpr studio::ClientId osc_client = -1;  // no page has this number
+    constexpr studio::ClientId osc_client = -1;  // not the id of any page
     auto listening = player_native::OscReceiver::listen(static_cast<std::uint16_t>(o.osc), [&session](std::string message) {
       session.on_message(osc_client, std::move(message), [] {});
     });

@@ -25,14 +25,14 @@ namespace {
 
 using json::Json;
 
-constexpr int max_depth = 8;            // bundles inside bundles
-constexpr std::size_t max_keys = 256;   // keys pressed at the same time; more than any keyboard has
+constexpr int max_depth = 8;            // maximum depth of bundles inside bundles
+constexpr std::size_t max_keys = 256;   // maximum number of keys pressed at the same time, more than any keyboard has
 
 std::unexpected<Error> malformed(const char* what) {
   return fail(ErrorCode::syntax, "OSC packet", what, "Send messages of OSC 1.0; docs/export.md lists the addresses.");
 }
 
-/// Reads the parts of a packet in order. Big-endian; everything is padded to multiples of 4 bytes.
+/// Reads the parts of an OSC packet in order. Numbers are big-endian; texts are padded with zeros to multiples of 4 bytes.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -65,7 +65,7 @@ class Reader {
   std::span<const std::byte> rest_;
 };
 
-/// The numbers of a message.
+/// Reads the arguments of a message as numbers. @param types one OSC type tag for each argument, without the leading comma
 Result<std::vector<double>> read_arguments(Reader& reader, std::string_view types) {
   std::vector<double> out;
   for (const char type : types) {
@@ -154,7 +154,7 @@ Result<void> apply_part(std::span<const std::byte> packet, circuit::DeviceState&
   return apply_message(*address, *values, state);
 }
 
-/// The state as the fields of an input message. @param wheel notches since the last message
+/// Returns the state as the JSON message `input` of a page. @param wheel turns of the mouse wheel since the last message, notches
 std::string input_json(const circuit::DeviceState& state, double wheel) {
   Json gamepads = Json::array();
   for (const circuit::GamepadState& g : state.gamepads) gamepads.push_back(g == circuit::GamepadState{} ? Json(nullptr) : Json{{"axes", g.axes}, {"buttons", g.buttons}});

@@ -1,5 +1,5 @@
 #pragma once
-// Input by Open Sound Control (OSC 1.0) over UDP: controllers, tablets and other programs press keys and move axes of the content.
+// Input by Open Sound Control (OSC 1.0) over UDP: controllers, tablets and other programs act as keyboard, mouse and gamepads.
 
 #include <cstddef>
 #include <functional>
@@ -13,24 +13,24 @@
 
 namespace ugoki::player_native {
 
-/// Applies the messages of one packet to the state of the devices. Addresses, each with one number unless stated otherwise (types i, f, d, h,
-/// T, F):
+/// Applies the messages of one packet to the state of the devices. Each message has one argument, a number of type i, f, d or h, or a
+/// truth value of type T (1) or F (0); only /ugoki/mouse has two. Addresses and their arguments:
 ///   /ugoki/key/CODE                 0 releases the key, other numbers press it; CODE is a KeyboardEvent.code, for example KeyW
 ///   /ugoki/mouse                    x and y, 0 ... 1
 ///   /ugoki/mouse/left, middle, right   0 or 1
-///   /ugoki/mouse/wheel              notches to add
+///   /ugoki/mouse/wheel              notches by which the wheel turns
 ///   /ugoki/gamepad/PAD/axis/K       -1 ... 1; PAD 0 ... 3, K 0 ... 3
 ///   /ugoki/gamepad/PAD/button/K     0 ... 1; K 0 ... 16
-/// @param packet a message or a bundle; time tags are ignored, so that a bundle acts at once
+/// @param packet a message or a bundle (list of messages); time tags are ignored, so a bundle acts at once
 /// Errors: the packet is malformed; no such address; wrong number or type of arguments. Messages before the error have been applied.
 [[nodiscard]] Result<void> apply_osc(std::span<const std::byte> packet, circuit::DeviceState& state);
 
-/// Receives packets on a UDP port of 127.0.0.1 on a thread of its own.
+/// Receives OSC packets on a UDP port of 127.0.0.1, on a separate thread.
 class OscReceiver {
  public:
   /// @param port 0: any free port
-  /// @param changed called on the receiver's thread after each packet that changed the devices, with their state as JSON (the fields
-  /// keyboard, mouse and gamepads of docs/studio-protocol.md; `wheel` is the change)
+  /// @param changed called on the receiver's thread after each packet that changed the devices. Its argument is the state of the devices as
+  /// JSON message `input` (docs/studio-protocol.md), in which `wheel` is the turn since the last call, in notches
   /// Errors: the port is in use.
   [[nodiscard]] static Result<std::unique_ptr<OscReceiver>> listen(std::uint16_t port, std::function<void(std::string)> changed);
   ~OscReceiver();
@@ -44,7 +44,7 @@ class OscReceiver {
   void run();
 
   int socket_ = -1;
-  int wake_[2] = {-1, -1};  // a pipe that ends the thread
+  int wake_[2] = {-1, -1};  // pipe; a byte written to it ends the thread
   std::uint16_t port_ = 0;
   std::function<void(std::string)> changed_;
   std::thread thread_;

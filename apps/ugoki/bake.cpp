@@ -189,7 +189,7 @@ int submit(const Options& o) {
                       ".%a.log\n#SBATCH --open-mode=append\n# A task that is requeued continues its part.\nexec " + words +
                       " --part \"$SLURM_ARRAY_TASK_ID/" + parts + "\" --jobs \"${SLURM_CPUS_PER_TASK:-1}\" --table ";
   std::string merge = common + "#SBATCH --job-name=ugoki-merge\n#SBATCH --output=" + stem + ".merge.log\nexec " + words + " --table ";
-  if (server) {  // all tasks write into the table of the server; the last job computes what is missing
+  if (server) {  // all tasks write into the table of the server; the last job only computes missing runs
     const std::string table = shell_quoted(o.table) + " --name " + o.name;
     array += table + '\n';
     merge += table + '\n';
@@ -383,7 +383,7 @@ void add_plot_verb(CLI::App& bake, Action& action) {
   verb->add_option("--name", o->name, "Name of the sweep in a PostgreSQL database");
   verb->add_option("--x", o->x, "Column of the horizontal axis, for example push")->required();
   verb->add_option("--y", o->y, "Column of the vertical axis, for example fell")->required();
-  verb->add_option("--by", o->by, "Column whose values become series with a colour each");
+  verb->add_option("--by", o->by, "Column whose values become series, each with its own colour");
   verb->add_option("--out", o->out, "File to write")->required()->type_name("FILE");
   verb->add_option("--title", o->title, "Title (default: names of the columns)");
   verb->add_flag("--json", o->json, "Print one JSON object");

@@ -53,7 +53,7 @@ Result<std::unique_ptr<Child>> Child::start(const std::vector<std::string>& word
   posix_spawn_file_actions_addclosefrom_np(&actions, 3);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
-  posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl+C of the terminal does not reach the child, which is ended in order
+  posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl+C does not reach the child; this program ends the child
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));

@@ -1,5 +1,5 @@
 #pragma once
-// Programs that `ugoki export` calls: browser, ffmpeg, Blender.
+// Child processes of `ugoki export`: browser, ffmpeg and Blender.
 
 #include <sys/types.h>
 
@@ -14,26 +14,26 @@
 
 namespace ugoki::cli {
 
-/// The first of these programs on $PATH, or the given path.
+/// Returns the given path, or if it is empty, the path of the first of the named programs that is found on $PATH.
 [[nodiscard]] Result<std::string> find_program(const std::string& given, std::initializer_list<const char*> names, const char* remedy);
 
-/// A child process, optionally with a pipe to its standard input. Ended by the destructor.
+/// A child process, optionally with a pipe to its standard input. The destructor ends the process.
 class Child {
  public:
-  /// @param log file for the output of the program
+  /// @param words path of the program and its arguments @param log file to which the output of the program is appended
   [[nodiscard]] static Result<std::unique_ptr<Child>> start(const std::vector<std::string>& words, bool pipe_input, const std::string& log);
   Child() = default;
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
   ~Child();
 
-  /// Writes all bytes. @return false if the program does not read any more
+  /// Writes all bytes to the program's standard input. @return false if the program no longer reads
   [[nodiscard]] bool write(std::string_view bytes) const;
   void close_input();
   [[nodiscard]] bool ended();
-  /// Waits for the end. @return whether the program reported success
+  /// Closes the pipe and waits until the program ends or the user presses Ctrl+C. @return true if the program ended with status 0
   [[nodiscard]] bool wait();
-  /// Exit status of the program; -1: it still runs, or was ended by a signal.
+  /// Exit status of the program; -1 while the program runs, and if a signal ended it.
   [[nodiscard]] int status() const { return status_; }
 
  private:
@@ -50,10 +50,10 @@ struct Scratch {
   Scratch& operator=(const Scratch&) = delete;
   ~Scratch();
 };
-/// Makes a temporary folder. @param prefix begins its name
+/// Makes a temporary folder. @param prefix beginning of the folder's name
 [[nodiscard]] Result<std::unique_ptr<Scratch>> make_scratch(const char* prefix);
 
-/// The last 400 bytes of a log as a sentence that begins with a blank; empty if there are none.
+/// Returns the last 400 bytes of a log as a sentence that can be appended to an error message; empty if the log is empty.
 [[nodiscard]] std::string tail_of(const std::filesystem::path& log);
 
 }  // namespace ugoki::cli

@@ -129,7 +129,7 @@ Result<publish::Take> run_take(const Options& o, std::span<const std::byte> ugx,
                               });
 }
 
-/// Writes the mechanism of one character with its motion as MJCF or URDF.
+/// Writes the mechanism of one character, with its motion, as MJCF or URDF. @param kind "mjcf" or "urdf"
 Result<void> write_robot(const publish::Take& take, const Options& o, const char* kind, const std::string& path, std::vector<Written>& report) {
   const auto chosen = std::ranges::find_if(take.characters, [&](const publish::TakeCharacter& c) {
     return o.character.empty() ? c.links() > 0 : c.id == o.character || c.name == o.character;
@@ -223,7 +223,7 @@ int run_export(Options o) {
 
 }  // namespace
 
-/// A check of CLI11: the file's extension.
+/// Returns a check for CLI11: the name of the file must end with `ending`.
 static std::function<std::string(std::string&)> has_ending(std::string ending) {
   return [ending = std::move(ending)](std::string& path) {
     return path.ends_with(ending) ? std::string() : "The name must end with " + ending + ".";
@@ -271,7 +271,7 @@ void add_export_verb(CLI::App& app, Action& action) {
   file("--usda", o->usda, "USD as text: UsdSkel, materials, camera")->group("Other tools");
   file("--csv", o->csv, "Table of all link poses")->group("Other tools");
   file("--fbx", o->fbx, "FBX, *.fbx, written by Blender")->group("Other tools")->check(CLI::Validator(has_ending(".fbx"), "*.fbx"));
-  file("--abc", o->abc, "Alembic, *.abc, written by a Blender that has it")->group("Other tools")->check(CLI::Validator(has_ending(".abc"), "*.abc"));
+  file("--abc", o->abc, "Alembic, *.abc, written by a Blender with support for Alembic")->group("Other tools")->check(CLI::Validator(has_ending(".abc"), "*.abc"));
   verb->add_option("--blender", o->blender, "Blender (default: found on the path)")->group("Other tools");
   file("--mjcf", o->mjcf, "MuJoCo: mechanism of one character, its motion as keyframes")->group("Other tools");
   file("--urdf", o->urdf, "URDF: mechanism of one character, its motion as a table beside it")->group("Other tools");

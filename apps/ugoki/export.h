@@ -31,8 +31,8 @@ struct PictureOutputs {
   [[nodiscard]] bool any() const { return !png.empty() || !mp4.empty() || !webm.empty() || !gif.empty(); }
 };
 
-/// Lets Blender write the content as FBX or Alembic, by the extension of `file` (.fbx, .abc).
-/// @param glb publish::write_take_glb() @param rate frames per second @param blender program; empty: found on the path
+/// Writes the content as FBX or Alembic with Blender. The extension of `file` (.fbx, .abc) selects the format.
+/// @param glb result of publish::write_take_glb() @param rate frames per second @param blender path of Blender; empty: found on $PATH
 [[nodiscard]] Result<void> export_with_blender(std::span<const std::byte> glb, double rate, const std::string& file,
                                                const std::string& blender);
 

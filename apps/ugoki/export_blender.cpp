@@ -1,4 +1,4 @@
-// Files that Blender writes for `ugoki export`: it opens the GLB of the content and saves it as FBX or Alembic.
+// FBX and Alembic files of `ugoki export`: Blender opens the content as GLB and saves it in the other format.
 
 #include "child.h"
 #include "export.h"
@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Exit status 5: this Blender has no writer of the format. Debian's Blender 3.4 is built without Alembic.
+// Python program for Blender. Exit status 5: this Blender cannot write the format (Debian's Blender 3.4 is built without Alembic).
 constexpr const char* script = R"(import sys
 import bpy
 

@@ -171,7 +171,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   catch_interrupt();
   std::signal(SIGPIPE, SIG_IGN);
 
-  // The page converts pictures for videos to the form that the coders take; a GIF and a transparent background need all colours.
+  // For MP4 and WebM alone, the page sends planar YCbCr, the input form of the coders. A GIF and a transparent background need RGBA.
   const bool planar = videos && outputs.gif.empty() && !o.transparent && o.blur == 1 && o.width % 8 == 0 && o.height % 2 == 0;
   Json settings = {{"width", o.width},
                    {"height", o.height},
@@ -261,8 +261,8 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
     started.push_back({file, part, std::move(*child)});
     return {};
   };
-  // ITU-R BT.709 with limited range, marked as such: players assume it for large pictures only. Rows of RGBA arrive from the bottom to the
-  // top, as WebGL has them.
+  // Videos have the colours of ITU-R BT.709, limited range. The file states this, because players assume BT.709 for large pictures only.
+  // The rows of RGBA pictures arrive from the bottom to the top, in the order of WebGL; vflip turns them.
   const auto coder = [&](std::initializer_list<const char*> words) {
     std::vector<std::string> out;
     if (!planar) out = {"-vf", "vflip,scale=out_color_matrix=bt709:out_range=tv"};

@@ -19,8 +19,8 @@ struct Options {
   bool empty = false, json = false;
 };
 
-/// Content of a JSON file: {"scenario": {...}, "mechanisms": {ID: {...}}, "circuit": {...}}. Each part is a document of its own (docs/scenario.md,
-/// docs/mechanisms.md, docs/circuit.md); the circuit may be left out.
+/// Reads content from a JSON file {"scenario": {...}, "mechanisms": {ID: {...}}, "circuit": {...}}. docs/scenario.md, docs/formats.md and
+/// docs/circuit.md describe the three parts; `circuit` is optional.
 Result<void> read_content_file(const std::string& path, content::Scenario& scenario, content::Resources& resources) {
   const Result<std::string> text = files::read_file(path);
   if (!text) return fail(text.error());
@@ -80,7 +80,7 @@ void add_new_verb(CLI::App& app, Action& action) {
   verb->add_option("project", options->path, "The file to create, *.ugoki")->required();
   verb->add_option("--name", options->name, "Name of the content");
   auto* empty = verb->add_flag("--empty", options->empty, "Without the sample content");
-  verb->add_option("--from", options->from, "JSON file with scenario and mechanisms, for example one of the folder examples/content")
+  verb->add_option("--from", options->from, "JSON file with scenario and mechanisms, for example from the folder examples/content")
       ->excludes(empty);
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki new park.ugoki");

@@ -36,7 +36,7 @@ const std::vector<std::string>& short_names() {
   return names;
 }
 
-/// A number, or an error that names the quantity.
+/// Reads a number. The error names the quantity.
 Result<double> number_of(const Variation& v, const std::string& text) {
   const std::optional<double> x = parse_double(text);
   if (x) return *x;

@@ -1,5 +1,5 @@
 #pragma once
-// The plan of `ugoki bake`: which variations of which content are run.
+// The plan of `ugoki bake`: the content and the variations that are run.
 
 #include <cstdint>
 #include <optional>

@@ -19,7 +19,7 @@ constexpr std::array colors = {"#2563eb", "#dc2626", "#059669", "#d97706", "#7c3
 
 std::string px(double x) { return to_fixed(x, 1); }
 
-/// A tick's value without superfluous digits.
+/// Returns the value of a tick as text without trailing zeros.
 std::string tick_text(double x) {
   if (std::fabs(x) < 1e-12) return "0";
   std::string out = to_fixed(x, std::fabs(x) >= 1e5 || std::fabs(x) < 1e-3 ? 6 : 4);
@@ -35,7 +35,7 @@ struct Axis {
     low = std::min(low, x);
     high = std::max(high, x);
   }
-  /// Position of a value, 0 ... 1.
+  /// Returns the position of a value on the axis: 0 at `low`, 1 at `high`.
   [[nodiscard]] double at(double x) const { return (x - low) / (high - low); }
   /// Widens an empty range, so that at() is defined.
   void widen() {
@@ -52,7 +52,7 @@ std::vector<double> axis_ticks(double low, double high, int count) {
   const double raw = (high - low) / std::max(1, count), power = std::pow(10, std::floor(std::log10(raw)));
   const double unit = raw / power, step = power * (unit < 1.5 ? 1 : unit < 3.5 ? 2 : unit < 7.5 ? 5 : 10);
   std::vector<double> out;
-  constexpr double slack = 1e-9;  // fraction of a step: a tick at the end of the axis counts in spite of rounding
+  constexpr double slack = 1e-9;  // fraction of the distance between ticks: keeps a tick at the end of the axis in spite of rounding
   for (double k = std::ceil(low / step - slack); k * step <= high + slack * step; ++k) out.push_back(k * step);
   return out;
 }
@@ -61,7 +61,7 @@ Result<std::string> plot_svg(const std::vector<PlotPoint>& points, const PlotLab
   if (points.empty())
     return fail(ErrorCode::structure, labels.y + " over " + labels.x, "No run has a value of both.",
                 "Choose other columns, or run the sweep first.");
-  std::vector<std::string> words, series;  // values of x and series, in the order in which they occur
+  std::vector<std::string> words, series;  // distinct values of x, and distinct series, in the order of their first occurrence
   bool numeric = true;
   for (const PlotPoint& p : points) {
     numeric = numeric && parse_double(p.x).has_value();
@@ -80,7 +80,7 @@ Result<std::string> plot_svg(const std::vector<PlotPoint>& points, const PlotLab
     x_axis.include(position(p.x));
     y_axis.include(p.y);
   }
-  if (y_axis.low > 0 && y_axis.low < 0.5 * y_axis.high) y_axis.low = 0;  // show zero unless it would flatten the points
+  if (y_axis.low > 0 && y_axis.low < 0.5 * y_axis.high) y_axis.low = 0;  // show zero if the points then fill at least half of the axis
   x_axis.widen();
   y_axis.widen();
   const auto x_px = [&](double x) { return left + 12 + x_axis.at(x) * (width - left - right - 24); };
@@ -116,7 +116,7 @@ Result<std::string> plot_svg(const std::vector<PlotPoint>& points, const PlotLab
   if (series.size() > 1) out += text(width - right + 14, top + 10, "start", labels.series, " font-weight=\"bold\"");
   for (std::size_t s = 0; s < series.size(); ++s) {
     const std::string color = colors[s];
-    std::map<double, std::pair<double, int>> sums;  // at each x: sum and number of the values
+    std::map<double, std::pair<double, int>> sums;  // for each x: sum and number of the values of y
     out += "<g fill=\"" + color + "\" stroke=\"none\">\n";
     for (const PlotPoint& p : points) {
       if (p.series != series[s]) continue;
@@ -127,7 +127,7 @@ Result<std::string> plot_svg(const std::vector<PlotPoint>& points, const PlotLab
     }
     out += "</g>\n";
     const auto many = [](const auto& entry) { return entry.second.second > 1; };
-    // a line through single points of random values would only connect neighbours by chance
+    // With many random values of x, each value has a single point, and a line would only show the scatter of the points.
     if (sums.size() > 1 && (sums.size() <= 60 || std::ranges::any_of(sums, many))) {
       out += "<polyline fill=\"none\" stroke=\"" + color + "\" stroke-width=\"1.6\" points=\"";
       for (const auto& [x, mean] : sums) out += px(x_px(x)) + "," + px(y_px(mean.first / mean.second)) + " ";

@@ -1,5 +1,5 @@
 #pragma once
-// Plots of `ugoki bake plot`: a measure of a sweep over one of its parameters, as SVG.
+// Plots of `ugoki bake plot`: one column of a sweep's table over another column, as SVG.
 
 #include <string>
 #include <vector>
@@ -8,23 +8,23 @@
 
 namespace ugoki::cli {
 
-/// One run in a plot.
+/// The point of one run in a plot.
 struct PlotPoint {
-  std::string x;       ///< value of the parameter: a number or a word
-  double y = 0;        ///< value of the measure
-  std::string series;  ///< points of equal series have one colour and one line; empty: one series
+  std::string x;       ///< value of the horizontal axis: a number or a word
+  double y = 0;        ///< value of the vertical axis
+  std::string series;  ///< name of the series to which the point belongs; each series has its own colour and line
 };
 
 struct PlotLabels {
   std::string title, x, y, series;
 };
 
-/// An SVG picture with one dot for each point, and for each series a line through the means at equal x. If a value of x is no number, the
-/// values are spaced evenly in the order in which they first occur.
-/// Errors: no point; more than 12 series.
+/// Returns an SVG picture with one dot for each point, and for each series a line through the means at equal x. If a value of x is not a
+/// number, all values of x are spaced evenly in the order of their first occurrence.
+/// Errors: no points; more than 12 series.
 [[nodiscard]] Result<std::string> plot_svg(const std::vector<PlotPoint>& points, const PlotLabels& labels);
 
-/// Ticks of an axis from `low` to `high`: multiples of 1, 2 or 5 times a power of ten, about `count` of them.
+/// Returns about `count` ticks of an axis from `low` to `high`. Their distance is 1, 2 or 5 times a power of ten.
 [[nodiscard]] std::vector<double> axis_ticks(double low, double high, int count);
 
 }  // namespace ugoki::cli

@@ -24,7 +24,7 @@ std::string table_name(const TableAddress& address) {
   return store::is_postgres(address.location) ? quoted("sweep_" + address.name) : "run";
 }
 
-/// Whether all values of a quantity are numbers.
+/// Returns true if all values of a quantity are numbers.
 bool is_numeric(const Variation& v) {
   return std::ranges::all_of(v.values, [](const std::string& text) { return parse_double(text).has_value(); });
 }
@@ -36,7 +36,7 @@ Result<void> check_address(const TableAddress& address) {
   if (!server && !address.name.empty())
     return fail(ErrorCode::conflict, "--name", "Only sweeps in a PostgreSQL database have a name.",
                 "Leave out --name, or give --table postgresql://host/database.");
-  constexpr std::size_t max_name = 50;  // a name of PostgreSQL has at most 63 bytes
+  constexpr std::size_t max_name = 50;  // the table is named sweep_NAME, and PostgreSQL limits names to 63 bytes
   const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
   if (server && (address.name.empty() || address.name.size() > max_name || !std::ranges::all_of(address.name, allowed)))
     return fail(ErrorCode::syntax, "--name " + address.name,
@@ -53,13 +53,13 @@ Result<SweepTable> SweepTable::open(const TableAddress& address, const SweepPlan
   if (Result<void> good = check_address(address); !good) return fail(std::move(good.error()));
   const std::string& path = address.location;
   if (store::is_postgres(path)) {
-    // opening the library creates its schema in an empty database
+    // Opening the library creates the schema `ugoki` in an empty database.
     if (Result<store::Library> library = store::Library::open(path); !library) return fail(std::move(library.error()));
     Result<std::unique_ptr<store::Connection>> connection = store::postgres_connection(path, false);
     if (!connection) return fail(std::move(connection.error()));
     SweepTable table(std::move(*connection), -1);
     if (Result<void> begun = table.connection_->begin(store::Connection::Access::write); !begun) return fail(std::move(begun.error()));
-    // tasks that start at the same time create the table one after the other
+    // The lock makes tasks that start at the same time create the table one after the other. The end of the transaction releases it.
     if (Result<store::Rows> lock = table.connection_->query("SELECT pg_advisory_xact_lock(1431786317)::text"); !lock)
       return fail(std::move(lock.error()));
     Result<void> done = table.prepare(address, plan);
@@ -89,7 +89,7 @@ Result<SweepTable> SweepTable::open(const TableAddress& address, const SweepPlan
   return table;
 }
 
-/// Creates the tables that do not exist, and compares the stored plan.
+/// Creates missing tables. Fails if the stored plan differs from `plan`.
 Result<void> SweepTable::prepare(const TableAddress& address, const SweepPlan& plan) {
   const bool server = store::is_postgres(address.location);
   table_ = table_name(address);
@@ -135,7 +135,7 @@ Result<std::vector<std::uint64_t>> SweepTable::finished() {
   return out;
 }
 
-/// Inserts one row unless its number exists. @return whether it was inserted
+/// Inserts a row, unless the table has a row with the same number. @return true if the row was inserted
 Result<bool> SweepTable::insert(const std::vector<store::Value>& cells) {
   std::string places;
   for (std::size_t i = 1; i <= cells.size(); ++i) places += (i > 1 ? ", ?" : "?") + std::to_string(i);
@@ -165,7 +165,7 @@ Result<void> SweepTable::add(std::uint64_t number, const std::string& target, co
       texts[i] = std::to_string(found->get<std::int64_t>());
     else
       texts[i] = to_text(found->get<double>());
-    cells[i] = texts[i];  // the column's type makes a number of it
+    cells[i] = texts[i];  // the database converts the text to the column's type
   }
   if (const Result<bool> done = insert(cells); !done) return fail(done.error());
   return {};

@@ -14,29 +14,29 @@
 
 namespace ugoki::cli {
 
-/// Where a table is.
+/// Location of a table of results.
 struct TableAddress {
   std::string location;  ///< path of an SQLite file, or "postgresql://user:password@host:port/database"
   std::string name;      ///< name of the sweep in a PostgreSQL database, where the table is ugoki.sweep_NAME; empty for SQLite
 };
-/// Checks that a name is given for PostgreSQL, and only then.
+/// Checks that an address of PostgreSQL has a valid name, and that the path of an SQLite file has none.
 [[nodiscard]] Result<void> check_address(const TableAddress& address);
 
-/// A table with a row for each finished run.
+/// A table of results with a row for each finished run.
 class SweepTable {
  public:
-  /// Creates the table, or opens the table of the same plan.
-  /// Errors: the table has another plan; another `bake` uses the SQLite file; the server cannot be reached.
+  /// Creates the table, or opens an existing table that has the same plan.
+  /// Errors: the table has another plan; another `ugoki bake` uses the SQLite file; the server cannot be reached.
   [[nodiscard]] static Result<SweepTable> open(const TableAddress& address, const SweepPlan& plan);
   /// Numbers of the runs that have a row, ascending.
   [[nodiscard]] Result<std::vector<std::uint64_t>> finished();
-  /// Adds the row of a run, unless there is one with its number. The row is on the disk when this function returns.
+  /// Adds the row of a run, unless the table has a row with the same number. The row is on the disk when this function returns.
   /// @param row JSON object: status, message, steps, processor_s, state_hash, measures
   [[nodiscard]] Result<void> add(std::uint64_t number, const std::string& target, const std::vector<std::string>& values,
                                  const json::Json& row);
-  /// Copies all rows of another table of the same plan that this table lacks. @return number of rows copied
+  /// Copies the rows that this table lacks from the SQLite file `path`, which must have the same plan. @return number of rows copied
   [[nodiscard]] Result<std::int64_t> merge(const std::string& path);
-  /// The table as CSV, ordered by number.
+  /// Returns the table as CSV, ordered by run number.
   [[nodiscard]] Result<std::string> csv();
 
   SweepTable(SweepTable&& other) noexcept
@@ -54,15 +54,15 @@ class SweepTable {
   [[nodiscard]] Result<bool> insert(const std::vector<store::Value>& cells);
 
   std::unique_ptr<store::Connection> connection_;
-  int lock_ = -1;                     // descriptor of the locked lock file; -1 for PostgreSQL
+  int lock_ = -1;                     // file descriptor of the lock file, which is locked; -1 for PostgreSQL
   std::string table_;                 // quoted name of the table of runs
   std::string plan_;                  // SweepPlan::text()
   std::vector<std::string> columns_;  // all columns of the table of runs
 };
 
-/// Columns of an existing table, for plots.
+/// Values of some columns of an existing table, for plots.
 struct SweepColumns {
-  std::vector<std::vector<std::string>> cells;  ///< [runs with a result][columns]; empty text: no value
+  std::vector<std::vector<std::string>> cells;  ///< [runs with status `done`][columns]; empty text: no value
 };
 /// Reads columns of all runs that have the status `done`, ordered by number.
 /// Errors: no such table or column.

@@ -1,5 +1,5 @@
-// Rows of many worlds and many characters: saving and restoring a state, rollouts on two threads, tracked characters in one content,
-// closed linkages that stand on the ground.
+// Benchmarks with many worlds, characters or loops: saving and restoring a state, rollouts on two threads, tracked characters in one
+// content, and closed linkages that rest on the ground.
 
 #include <malloc.h>
 
@@ -50,12 +50,12 @@ std::vector<std::byte> walkers(int count) {
   return checked(content::generate(s, sample.resources));
 }
 
-/// The walking human as a world, its state at 1 s, and the drive forces and servos of its motion control from then on.
+/// A walking human as a world: its state at 1 s, and the drive forces and servo values of its motion control in the following steps.
 struct Walk {
   content::Player player = checked(content::Player::open(walkers(1)));
   world::World world{player.world().mechanisms(), {.stepper = {}, .ground = player.world().ground()}};
   world::WorldState begin{world};
-  std::vector<double> controls;  // [steps][3 nv]
+  std::vector<double> controls;  // [steps][3 nv] drive forces, servo gains, servo velocities
 
   explicit Walk(int steps) {
     const auto torque = [&] { return player.interpreter().find_output("control-human0.torque")->numbers(); };
@@ -137,7 +137,7 @@ void roll_out(Table& table) {
              .note = note});
 }
 
-/// Simulates a content for `steps` steps. @return minimum wall-clock and processor time of a step over parts of 100 steps, s
+/// Simulates content for `steps` steps in parts of 100. @return wall-clock and processor time of a step, s: minimum of the parts' means
 std::pair<double, double> time_of(content::Player& player, int steps) {
   double best = HUGE_VAL, work = HUGE_VAL;
   for (int i = 0; i < steps; i += 100) {
@@ -179,7 +179,7 @@ void tracked_characters(Table& table) {
              .note = note});
 }
 
-/// N four-bar linkages in series: each is a parallelogram whose upper bar carries the next one. The lowest bar lies on the ground.
+/// N four-bar linkages (parallelograms) in a row along x. A foot at the end of each top bar carries the base bar of the next linkage.
 MechanismPtr linkages(int n) {
   const auto bar = [](const std::string& name, const std::string& parent, const Vec3& at, const Vec3& end) {
     LinkSpec l;
@@ -200,7 +200,7 @@ MechanismPtr linkages(int n) {
   std::string below = "base";
   for (int k = 0; k < n; ++k) {
     const std::string i = std::to_string(k);
-    // In a row along x, so that every base bar touches the ground
+    // Each linkage is placed behind the last one along x, so that every base bar touches the ground.
     spec.links.push_back(bar("front" + i, below, {0.2, 0, 0}, {0, 0, 0.1}));
     spec.links.push_back(bar("rear" + i, below, {0, 0, 0}, {0, 0, 0.1}));
     spec.links.push_back(bar("top" + i, "rear" + i, {0, 0, 0.1}, {0.2, 0, 0}));

@@ -1,4 +1,4 @@
-// 42 misbehaving LSIs in `ugoki lsi test` and `ugoki circuit run`: the message names each LSI, and the exit status is 1.
+// 43 misbehaving LSIs in `ugoki lsi test` and `ugoki circuit run`: the message names each LSI, and the exit status is 1.
 
 #include "../plugin/misbehaving.h"
 #include "shelf_test.h"

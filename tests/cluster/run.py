@@ -20,8 +20,8 @@ import sys
 import tempfile
 import time
 
-RUNS = 400  # runs of the sweep, 0.05 s each: both parts still run when the node is killed
-PATIENCE = 240  # s until a state must be reached; a requeued task waits for the time limits of slurm.conf below
+RUNS = 400  # number of runs of the sweep, 0.05 s each; enough that both parts still run when the node is killed
+PATIENCE = 240  # s: time limit of wait_until(); a requeued task waits for the time limits of slurm.conf below
 NODES = ("one", "two")
 
 failed = 0
@@ -33,13 +33,13 @@ def test(name):
     try:
         yield
         print(f"ok {name}", flush=True)
-    except Exception as error:  # the line of the test reports every kind of failure
+    except Exception as error:  # every kind of failure becomes a line `not ok`
         failed += 1
         print(f"not ok {name}\n  {type(error).__name__}: {error}", flush=True)
 
 
 def wait_until(what, condition, seconds=PATIENCE):
-    """The first true result of condition(); fails after `seconds`."""
+    """Returns the first true result of condition(); fails after `seconds`. `what` names the awaited event in the error."""
     end = time.monotonic() + seconds
     while True:
         result = condition()
@@ -57,7 +57,7 @@ def free_port():
 
 
 class Cluster:
-    """The daemons, with all their files in one folder."""
+    """The daemons of Slurm and PostgreSQL, with all their files in one folder."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -124,7 +124,7 @@ PartitionName=all Nodes={",".join(NODES)} Default=YES State=UP MaxTime=60
         return done.stdout.split()
 
     def processes_of(self, node):
-        """Processes of a node: slurmd, then every slurmstepd, then the processes of the jobs, so that nothing reports the end of another."""
+        """Process ids of a node in the order to kill them: slurmd, slurmstepd, jobs. So no process reports the end of another."""
         jobs, steps = [], []
         for entry in pathlib.Path("/proc").iterdir():
             if not entry.name.isdigit():
@@ -145,7 +145,7 @@ PartitionName=all Nodes={",".join(NODES)} Default=YES State=UP MaxTime=60
                 os.kill(pid, signal.SIGKILL)
 
     def start_postgres(self):
-        """Starts a server. @return its address"""
+        """Starts a PostgreSQL server and returns its address."""
         versions = sorted(pathlib.Path("/usr/lib/postgresql").glob("*/bin/initdb"), key=lambda p: int(p.parts[4]))
         programs, data = versions[-1].parent, self.folder / "postgres"
         data.mkdir()

@@ -75,7 +75,7 @@ TEST(StepReport, SplitStepReportsItsSubsteps) {
   EXPECT_GT(split, 0);
 }
 
-/// Two bars of 0.4 m on hinges `distance` [m] apart, whose ends a loop pins to each other.
+/// Two bars of 0.4 m on hinges that are `distance` [m] apart. A loop pins the free ends of the bars to each other.
 MechanismPtr pinned_bars(double distance) {
   MechanismSpec spec;
   spec.name = "bars";

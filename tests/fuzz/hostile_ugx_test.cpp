@@ -114,12 +114,12 @@ void run(void (*target)(const std::uint8_t*, std::size_t), int count, std::uint6
       longest = seconds;
       slowest = input;
     }
-    if (const char* found = std::getenv("UGOKI_UGX_FOUND"); found != nullptr && seconds > 0.1)  // for the search for slow inputs
+    if (const char* found = std::getenv("UGOKI_UGX_FOUND"); found != nullptr && seconds > 0.1)  // saves slow inputs
       std::ofstream(std::string(found) + '/' + std::to_string(static_cast<int>(1000 * seconds)) + "ms-" + std::to_string(seed) + '-' +
                         std::to_string(i),
                     std::ios::binary)
           << input;
-    // Processor time of ten steps at most. GuardedStep limits the work of a step by counts; a machine that is half as fast passes as well.
+    // Limit of the processor time of up to ten steps, s. GuardedStep limits the work of a step; a machine that is half as fast passes too.
     ASSERT_LT(seconds, 1) << "input " << i << " of seed " << seed << "\n" << input;
   }
   rusage use{};

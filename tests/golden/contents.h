@@ -1,5 +1,5 @@
 #pragma once
-// Contents whose state hashes are kept in hashes.txt: equal for every compiler, target, SIMD width and number of threads.
+// Contents whose state hashes are listed in hashes.txt. The hashes are equal for every compiler, target, SIMD width and number of threads.
 
 #include <cstddef>
 #include <string>
@@ -7,13 +7,13 @@
 
 namespace ugoki::golden {
 
-/// A content as executable data.
+/// Content in the form of executable data (*.ugx).
 struct GoldenContent {
   std::string name;
   std::vector<std::byte> ugx;
 };
 
-/// Steps after which hashes.txt has a state hash. The fast tests run the first `fast_checkpoints` of them.
+/// Numbers of steps after which hashes.txt has a state hash. The fast tests compare only the first `fast_checkpoints` of these.
 inline constexpr long checkpoints[] = {1, 100, 500, 2000, 10000};
 inline constexpr int fast_checkpoints = 3;
 

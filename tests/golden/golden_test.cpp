@@ -26,7 +26,7 @@ std::string text_of(std::uint64_t hash) {
   return text;
 }
 
-/// Hashes of hashes.txt by name and step.
+/// Reads hashes.txt. @return state hashes by name of the content and number of steps
 std::map<std::pair<std::string, long>, std::string> kept_hashes() {
   std::ifstream file(UGOKI_SOURCE_DIR "/tests/golden/hashes.txt");
   std::map<std::pair<std::string, long>, std::string> all;
@@ -37,7 +37,7 @@ std::map<std::pair<std::string, long>, std::string> kept_hashes() {
   return all;
 }
 
-/// Runs all contents up to `steps` and compares their hashes. @param pool threads, or null
+/// Runs all contents and compares their state hashes after each number of steps in `steps`. @param pool null: the calling thread only
 void expect_kept_hashes(std::span<const long> steps, plugin::ThreadPool* pool = nullptr) {
   static const std::vector<GoldenContent> contents = make_contents();
   const auto kept = kept_hashes();
@@ -73,7 +73,7 @@ void expect_kept_hashes_with_every_width(std::span<const long> steps) {
     expect_kept_hashes(steps);
   }
   for (const Width width : {Width::avx512, Width::avx2, Width::plain})
-    if (use_width(width)) break;  // the widest one again
+    if (use_width(width)) break;  // set the widest supported width again
 }
 
 void expect_kept_hashes_with_threads(std::span<const long> steps) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The packages in a bare Debian tree: they install, run, and are built reproducibly.
+"""Tests the packages in a bare tree (a minimal Debian installation): they install, run, and are built reproducibly.
 
     run.py ROOT
 
@@ -30,7 +30,7 @@ def test(name):
     try:
         yield
         print(f"ok {name}", flush=True)
-    except Exception as error:  # the line of the test reports every kind of failure
+    except Exception as error:  # every kind of failure becomes a line `not ok`
         failed += 1
         print(f"not ok {name}\n  {type(error).__name__}: {error}", flush=True)
 
@@ -57,7 +57,7 @@ def hash_of(text):
 
 
 def check_studio(tree, program):
-    """The studio serves its page and opens the project."""
+    """Checks that the studio serves its page, exports the open project, and refuses a request without its token."""
     studio = subprocess.Popen(["chroot", str(tree), "env", "HOME=/root", program, "studio", "/root/park.ugoki", "--no-open", "--json"],
                               stdout=subprocess.PIPE, text=True)
     try:

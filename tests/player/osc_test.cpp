@@ -1,4 +1,4 @@
-// OSC packets of a native program: the addresses, bundles, and packets that are cut or random.
+// OSC packets that a native program receives: addresses, bundles, and truncated or random packets.
 
 #include "../../apps/player_native/osc.h"
 
@@ -89,7 +89,7 @@ TEST(Osc, CutAndRandomPacketsAreRefused) {
   const Packet whole = bundle({message("/ugoki/mouse", {0.25F, 0.5F}), message("/ugoki/key/KeyW", {1})});
   for (std::size_t size = 0; size < whole.size(); ++size) {
     circuit::DeviceState s;
-    const Packet part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));  // its own memory, so that sanitizers see its end
+    const Packet part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));  // a copy: sanitizers see reads past its end
     (void)apply_osc(part, s);
   }
   std::mt19937_64 random(3);

@@ -1,5 +1,5 @@
 #pragma once
-// Forty-two LSIs that misbehave: they crash, end or stop their process, hang, damage memory, return values that are not finite, or cannot be
+// Forty-three LSIs that misbehave: they crash, end or stop their process, hang, damage memory, return values that are not finite, or cannot be
 // loaded. Tests run each one with `ugoki lsi test`, `ugoki circuit run` and in the studio.
 
 #include <array>
@@ -43,6 +43,8 @@ inline constexpr std::array misbehaving = {
     Misbehaving{"restores the handler and crashes", "signal(SIGSEGV, SIG_DFL); *(volatile int*)0 = 1;",
                 "ended its process (signal 11, Segmentation fault) without a report"},
     Misbehaving{"runs another program", "execl(\"/bin/true\", \"true\", (char*)0);", "ended its process (exit status 0) without a report"},
+    Misbehaving{"runs a long program", "execl(\"/bin/sleep\", \"sleep\", \"1000\", (char*)0);",
+                "replaced its process by another program (exec), which was ended without a report"},
     Misbehaving{"closes all files and exits", "for (int i = 3; i < 1024; ++i) close(i); _exit(0);",
                 "ended its process (exit status 0) without a report"},
     Misbehaving{"closes all files and crashes", "for (int i = 3; i < 1024; ++i) close(i); abort();", "without a report"},
@@ -82,7 +84,7 @@ inline constexpr std::array misbehaving = {
     Misbehaving{"throws a number", "throw 42;", "rogue", "", true},
     Misbehaving{"throws where it must not", "cannot();", "aborted", "static void cannot() noexcept { throw 1; }", true},
 };
-static_assert(misbehaving.size() == 42);
+static_assert(misbehaving.size() == 43);
 
 /// Source text of the library "rogue" with the LSI `f`.
 inline std::string rogue_source(const Misbehaving& m) {

@@ -328,7 +328,7 @@ TEST(MjcfWriter, EqualitiesReadBackEqual) {
   EXPECT_EQ(loops[static_cast<std::size_t>(back->mechanism->find_loop("gear"))].polynomial, m->loops()[3].polynomial);
 }
 
-/// Random positions of a mechanism, for `frames` frames. @return [frames * nq]
+/// Returns random position coordinates of a mechanism, [frames * nq].
 std::vector<double> random_motion(const Mechanism& m, int frames, unsigned seed) {
   Dice dice(seed);
   std::vector<double> out, q(static_cast<std::size_t>(m.nq())), v(static_cast<std::size_t>(m.nv()));
@@ -343,7 +343,7 @@ std::vector<double> random_motion(const Mechanism& m, int frames, unsigned seed)
 const std::vector<JointType> all_joint_types = {JointType::revolute, JointType::prismatic, JointType::spherical, JointType::planar,
                                                 JointType::universal, JointType::cylindrical, JointType::helical, JointType::fixed};
 
-/// The table beside a URDF gives the joints their positions: the poses of its links, computed from the table, are those of the motion.
+/// The poses of the links, computed from the URDF and the motion table beside it, equal the poses of the motion.
 TEST(UrdfWriter, MotionGivesThePosesOfTheLinks) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE(seed);
@@ -389,12 +389,12 @@ TEST(UrdfWriter, MotionGivesThePosesOfTheLinks) {
 }
 
 #ifdef UGOKI_HAVE_MUJOCO
-/// MuJoCo puts its bodies at the poses of the motion, for every keyframe.
+/// In every keyframe, MuJoCo computes the same poses of the bodies as in the motion.
 TEST(WriterPeer, MujocoReadsTheMotionOfEveryJointType) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE(seed);
     MechanismSpec spec = random_robot(seed, all_joint_types);
-    spec.links[0].joint.X_PJ = {to_matrix(exp_map({0.3, 0.2, -0.5})), {1, 2, 3}};  // a free joint of MuJoCo ignores the frame
+    spec.links[0].joint.X_PJ = {to_matrix(exp_map({0.3, 0.2, -0.5})), {1, 2, 3}};  // MuJoCo has no such frame for a free joint
     const MechanismPtr m = made(spec);
     const std::vector<double> motion = random_motion(*m, 4, seed);
     const PeerModel peer = open_text_with_mujoco(write_mjcf(*m, {50, motion}).text);

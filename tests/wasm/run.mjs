@@ -110,7 +110,7 @@ test("returns display frames", () => {
   expect(Buffer.compare(first, second) !== 0, "two frames at different times are equal");
 });
 
-// Golden contents: the hashes of tests/golden/hashes.txt up to this step. The native programs and every SIMD width give the same hashes.
+// The golden contents must give the hashes of tests/golden/hashes.txt up to this step, as the native programs do with every SIMD width.
 const goldenSteps = 500;
 const golden = readFileSync(new URL("../golden/hashes.txt", import.meta.url), "utf8")
   .split("\n")

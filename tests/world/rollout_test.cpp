@@ -101,7 +101,7 @@ TEST(Rollout, AllocatesNothingAfterPreparation) {
   plugin::ThreadPool pool(2);
   Rollout rollout(world, &pool);
   std::vector<contact::StepReport> reports(worlds);
-  for (int k = 0; k < 2; ++k) {  // warm-up: worlds may change threads
+  for (int k = 0; k < 2; ++k) {  // warm-up, twice because a world may run on another thread in each call
     std::vector<WorldState> states = make_states(world);
     rollout.run(states, {controls, 3 * world.nv()}, steps, dt, reports);
   }

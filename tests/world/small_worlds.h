@@ -45,7 +45,7 @@ inline World make_world() {
   return World({make_puppet(), testing::four_bar({}, 1.0, 0).mechanism, make_ball()}, options);
 }
 
-/// A beginning that differs for each k: the puppet above the ground, the ball above the puppet, the linkage in motion.
+/// Returns an initial state that differs for each k: the puppet above the ground, the ball above the puppet, the linkage in motion.
 inline WorldState make_state(const World& world, int k) {
   WorldState s(world);
   s.q(puppet)[2] = 0.95 + 0.01 * k;

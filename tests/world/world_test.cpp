@@ -27,7 +27,7 @@ TEST(World, RestoredStateContinuesWithSameBits) {
   const WorldState saved = now;
   run(a, 150);
   a.store(now);
-  b.load(make_state(world, 7));  // another past
+  b.load(make_state(world, 7));  // steps from another state must have no effect on the following ones
   run(b, 20);
   b.load(saved);
   run(b, 150);
@@ -46,7 +46,7 @@ TEST(World, FreeBallFallsByClosedForm) {
   run(stepper, 100);
   stepper.store(s);
   EXPECT_NEAR(s.v(0)[5], -9.81 * 0.2, 1e-12);
-  EXPECT_NEAR(s.q(0)[2], 10 - 9.81 * dt * dt * 100 * 101 / 2, 1e-12);  // the positions use the velocities after each step
+  EXPECT_NEAR(s.q(0)[2], 10 - 9.81 * dt * dt * 100 * 101 / 2, 1e-12);  // each step moves with the velocity at its end
 }
 
 TEST(World, CopiesOfStatesAreEqualAndAllocateNothing) {
@@ -95,7 +95,7 @@ TEST(World, LargeWorldHasSameBitsForEveryNumberOfThreads) {
     newton_steps = 0;
     const long before = allocations_so_far();
     steps(300);
-    if (executor == nullptr || executor->workers() == 1)  // with more workers a worker may meet a larger island than before
+    if (executor == nullptr || executor->workers() == 1)  // one of several workers may get a larger island than in the warm-up
       EXPECT_EQ(allocations_so_far() - before, 0);
     EXPECT_GE(islands, 6);
     WorldState end(world);

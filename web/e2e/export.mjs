@@ -428,7 +428,7 @@ for (const name of ['park', ...readdirSync(examples).filter((f) => f.endsWith('.
     const project = at(`example-${name}.ugoki`);
     run('new', project, ...(name === 'park' ? [] : ['--from', join(examples, `${name}.json`)]));
     const character = JSON.parse(run('info', project, '--json')).characters[0].id;
-    // at display frames, where the studio can stop: every third frame of 60 a second is a multiple of 25 steps of 2 ms
+    // Steps at display frames, because the studio stops only there. Three frames at 60 frames/s take 25 steps of 2 ms.
     const list = [
       { step: 50, type: 'push', character, link: 0, force: [4, 3, 0], duration: 0.2 },
       { step: 150, type: 'grab', character, link: 0, point: [0.01, 0, 0.02], target: [0.2, 0.1, 0.8] },
@@ -457,7 +457,7 @@ for (const name of ['park', ...readdirSync(examples).filter((f) => f.endsWith('.
     await served.context().close();
     expect(in_native === wanted_here && in_page === wanted_here, `run ${wanted_here}, native ${in_native}, page ${in_page}`);
     const frames = readFileSync(at('example.frames'));
-    let begin = 0; // of the last frame: all frames begin with UKGF
+    let begin = 0; // beginning of the last frame; every frame begins with UKGF
     for (let i = frames.indexOf('UKGF'); i >= 0; i = frames.indexOf('UKGF', i + 4)) begin = i;
     const in_studio = await run_in_studio(project, list, steps);
     expect(Buffer.compare(characters_of(in_studio), characters_of(frames.subarray(begin))) === 0, 'the studio shows another state');
@@ -508,7 +508,7 @@ await test('three.js reads the joints of USD files where the simulation had them
       mixer.setTime(f / 20);
       group.updateMatrixWorld(true);
       for (const bone of bones) {
-        const p = group.worldToLocal(bone.getWorldPosition(new Vector3())); // the loader turns z up to y up
+        const p = group.worldToLocal(bone.getWorldPosition(new Vector3())); // undoes the loader's rotation from z up to y up
         const wanted_here = ['x', 'y', 'z'].map((k) => Number(row[`${id}/${bone.name} ${k}`]));
         worst = Math.max(worst, Math.hypot(p.x - wanted_here[0], p.y - wanted_here[1], p.z - wanted_here[2]));
         compared++;
@@ -531,7 +531,7 @@ await test('the joints of UsdPhysics meet: their frames in both bodies are at on
       if (value(path, 'physics:mass') !== undefined) {
         bodies++;
         const moments = value(path, 'physics:diagonalInertia');
-        // moments of inertia of a body are positive and satisfy the triangle inequality
+        // The moments of inertia of a body are positive and satisfy the triangle inequality.
         expect(Math.min(...moments) > 0 && 2 * Math.max(...moments) <= 1.0001 * moments.reduce((a, b) => a + b, 0), `${path} ${moments}`);
       }
       if (!/^Physics.*Joint$/.test(fields.typeName ?? '')) continue;
@@ -556,11 +556,11 @@ await test('a video shows the pictures of the PNG files in their colours', () =>
   if (spawnSync('ffmpeg', ['-version']).status !== 0) return 'ffmpeg is not installed';
   const size = ['--size', '320x176', '--rate', '5', '--duration', '1'];
   run('export', at('park.ugoki'), '--png', at('c%d.png'), ...size);
-  for (const more of [[], ['--gif', at('c.gif')]]) { // with a GIF the video is made of RGBA pictures, otherwise of planar ones
+  for (const more of [[], ['--gif', at('c.gif')]]) { // with a GIF, the video is made from RGBA pictures, otherwise from planar YCbCr
     run('export', at('park.ugoki'), '--mp4', at('c.mp4'), ...more, ...size);
     const done = spawnSync('ffmpeg', ['-hide_banner', '-i', at('c.mp4'), '-start_number', '0', '-framerate', '5', '-i', at('c%d.png'), '-lavfi', '[0:v]scale=in_color_matrix=bt709:in_range=tv,format=gbrp[a];[1:v]format=gbrp[b];[a][b]psnr', '-f', 'null', '-'], { encoding: 'utf8' });
     const psnr = Number(/min:([\d.]+)/.exec(done.stderr)?.[1]);
-    // dB of the worst picture; the coder alone gives 42, and colours of another matrix less than 34
+    // Limit of the PSNR of the worst picture, dB: encoding alone gives 42, and a wrong colour matrix gives less than 34.
     expect(psnr > 38, `${psnr} dB\n${done.stderr.slice(-600)}`);
   }
   return undefined;

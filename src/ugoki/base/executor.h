@@ -10,9 +10,9 @@ class Executor {
   virtual ~Executor() = default;
   /// Number of workers, at least 1; constant for the lifetime of the object.
   [[nodiscard]] virtual int workers() const = 0;
-  /// Calls work(context, 0) ... work(context, workers() - 1), each on its own thread, and returns when all have returned. Memory that
-  /// the workers wrote during one call of `run` is visible to all workers of the next. Allocates nothing. A call of `run` within `work`
-  /// calls work(context, 0) ... one after the other on the calling thread.
+  /// Calls work(context, 0) ... work(context, workers() - 1), each on its own thread, and returns when all have returned. Memory that the
+  /// workers wrote during one call of `run` is visible to all workers of the next call. Allocates nothing. A call of `run` within `work`
+  /// calls work(context, 0) ... work(context, workers() - 1) one after the other on the calling thread.
   virtual void run(void (*work)(void* context, int worker), void* context) = 0;
 };
 

@@ -361,7 +361,7 @@ bool ImpactSearch::passes_through(Candidate& c, double end, double dt) {
     c.time += approach_of(a, b, norm(d.n) > 0.5 ? &d.n : nullptr).time_for(left - 0.01 * both);
     if (c.time >= end) return false;
   }
-  return true;  // a limit is reached: the rest of the step is not proved safe
+  return true;  // max_checks or limit_work() is reached: the rest of the step is not proved safe
 }
 
 /// True if, before `end` [s], the core of the pair's convex shape may come closer to the surface of the other shape than `tolerance`.
@@ -391,7 +391,7 @@ bool ImpactSearch::core_touches(Candidate& c, double end, double dt) {
     c.time += check.safe;
     if (c.time >= end) return false;
   }
-  return true;  // a limit is reached: the rest of the step is not proved safe
+  return true;  // max_checks or limit_work() is reached: the rest of the step is not proved safe
 }
 
 SceneImpact ImpactSearch::find_passage(std::span<const SystemMotion> systems, double dt) {

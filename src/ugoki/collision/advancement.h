@@ -101,11 +101,11 @@ class ImpactSearch {
   /// @return status impact with the time [s] up to which no limit is exceeded, or status none with the length of the step
   [[nodiscard]] SceneImpact find_passage(std::span<const SystemMotion> systems, double dt);
 
-  /// Limits the work of all following calls together, until the next call of this function. At first the work is not limited.
-  /// When the limit is reached, pairs that are not proved apart count as touching, or as passing, at the time reached.
-  /// @param distances count of distances that may be measured
+  /// Limits the number of distances that all following searches together may measure, until the next call. Initially there is no limit.
+  /// At the limit, find() reports a pair that is not proved apart as not_converged, and find_passage() reports it as passing.
+  /// @param distances maximum number of measured distances
   void limit_work(std::int64_t distances) { work_left_ = distances; }
-  /// Whether the limit of limit_work() is reached.
+  /// Returns true if the limit of limit_work() is reached.
   [[nodiscard]] bool is_exhausted() const { return work_left_ <= 0; }
 
  private:

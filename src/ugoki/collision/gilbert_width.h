@@ -13,8 +13,8 @@ namespace ugoki::collision {
                                                  GilbertCache& cache, const GilbertOptions& options);
 
 enum class GilbertWidth : std::uint8_t { plain, avx2, avx512 };
-/// Selects the instruction set for pairs of hulls, for tests. Call it before other threads run.
-/// @return false if the processor or the build does not support this width; the width in use then does not change
+/// Selects the instruction set that computes distances between hulls, for tests. Call this function before other threads run.
+/// @return false if the processor or the build does not support this width; the selection then does not change
 bool use_gilbert_width(GilbertWidth width);
 
 }  // namespace ugoki::collision

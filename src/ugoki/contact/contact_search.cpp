@@ -26,8 +26,8 @@ void ContactSearch::set_executor(Executor* executor) {
   executor_ = dofs >= min_parallel_dofs ? executor : nullptr;
 }
 
-/// Whether a body may move farther than half the margin in one step; contacts must then be searched along the motion. A joint velocity in
-/// rad/s is compared like one in m/s, because links are about 1 m long.
+/// Returns true if a body may move farther than half the margin in one step; contacts must then be searched along the motion. Joint
+/// velocities in rad/s and m/s have the same limit, because links are about 1 m long.
 bool ContactSearch::is_fast(std::span<const collision::SystemMotion> systems, double dt) const {
   const double limit = 0.5 * margin_ / dt;
   for (std::size_t i = 0; i < systems.size(); ++i) {
@@ -43,7 +43,7 @@ bool ContactSearch::is_fast(std::span<const collision::SystemMotion> systems, do
 
 std::vector<collision::ContactPoint>& ContactSearch::find(std::span<const collision::SystemMotion> systems, double dt) {
   parallel_for(executor_, systems.size(), [&](std::size_t s, int) { calc_poses(*scene_->systems()[s], systems[s].q, poses_[s]); });
-  workspace_.forget();  // contacts must depend on the state alone, so that a restored run gives the same bits
+  workspace_.forget();  // contacts must depend only on the state, so that a restored run gives the same bits
   collision::find_contacts(*scene_, views_, margin_, workspace_, contacts_);
   if (is_fast(systems, dt)) swept_.add(systems, views_, dt, margin_, contacts_);
   return contacts_;

@@ -19,7 +19,7 @@ class ContactSearch {
   /// Computes poses on the threads of `executor`; null: on the calling thread. Scenes below min_parallel_dofs use the calling thread.
   void set_executor(Executor* executor);
 
-  /// Contacts of the next step of length dt [s], until the next call; the caller may change the list.
+  /// Returns the contacts of a step of length dt [s]. The list is valid until the next call; the caller may change it.
   /// @param systems [systems of the scene] positions and velocities
   /// Allocates nothing after warm-up, unless the number of contacts grows.
   std::vector<collision::ContactPoint>& find(std::span<const collision::SystemMotion> systems, double dt);

@@ -48,7 +48,7 @@ class DenseIsland {
 
   /// Above this number of rows, making B and factoring the Newton matrix cost more than sweeps along the chains of the links.
   static constexpr int max_rows = 96;
-  /// m/s: an island with a smaller residual is accepted if the tolerance is not reached; a contact that should not move creeps 10 um in 1 s.
+  /// m/s: an island whose residual stays above the tolerance is accepted below this limit; a resting contact then creeps 10 um in 1 s.
   static constexpr double accepted_residual = 1e-5;
 
   /// Solves the island, beginning with the impulses in `island.p`. Without convergence, `island.p` receives the best impulses found.

@@ -39,11 +39,11 @@ double turn_between(const Mat3& R, const Mat3& T) {
 constexpr double resting_gap = 2e-5;
 constexpr double too_deep = 1e-3;  // m: if a deeper overlap is left after all passes, the step is split into substeps
 
-// Limits of the work in one step, so that absurd content (bodies of 1e-9 kg m^2 that are hit by 1e5 N) takes 0.1 s for a step, not seconds.
-// A step that is not split needs at most GuardOptions::passes times 1e6 operations, so the first limit affects only split steps.
+// Limits of the work in one step. With them, a step of absurd content (inertia 1e-9 kg m^2, force 1e5 N) takes 0.1 s instead of seconds.
+// In a step that is not split, each island uses at most GuardOptions::passes times 1e6 operations (VelocitySolver).
 constexpr double max_newton_operations = 2e7;       // estimated floating-point operations of Newton's method
-constexpr std::int64_t max_distances = 40'000;      // distances that are measured to find passages; the same for contacts of fast bodies
-constexpr std::int64_t max_distances_of_shape = 500;  // additional distances for each shape of the scene
+constexpr std::int64_t max_distances = 40'000;      // distances measured to find passages; also distances measured to find swept contacts
+constexpr std::int64_t max_distances_of_shape = 500;  // additional distances to find passages, for each shape of the scene
 
 // Fields of ContactPoint::key. collision::find_contacts() uses feature indices below first_feature.
 constexpr std::uint64_t feature_mask = (1U << 24) - 1, first_feature = 0xf00000, shape_mask = (1U << 20) - 1;

@@ -12,7 +12,7 @@
 //
 // Passage. Bodies that move by more than half their thickness are also followed during the step (collision/advancement.h). If a body would
 // penetrate another one so deeply that it may exit on the far side, the step is split into substeps. A substep is halved until no body
-// passes through. Each substep has its own contacts. After 256 attempts, or at 1/1024 of the step, a body that would still pass stops.
+// passes through. Each substep has its own contacts. After 256 attempts, or at 1/1024 of the step, all systems stop before a passage.
 //
 // Sources: Anitescu, Potra (1997) for steps with linearised gaps; Stewart (1998) for the errors of the linearisation.
 

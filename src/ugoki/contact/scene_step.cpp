@@ -10,11 +10,11 @@ SceneStep::SceneStep(const std::vector<MechanismPtr>& systems, const collision::
 StepReport SceneStep::step(std::span<StepSystem> systems, std::vector<collision::ContactPoint>& contacts, double dt) {
   forces_ = {};
   if (contacts.empty()) return stepper_.step(systems, contacts, dt);
-  std::ranges::fill(touches_itself_, char{0});  // self-collision is tested only for systems with contacts between own links
+  std::ranges::fill(touches_itself_, char{0});  // self-collision is tested only for systems with contacts between their own links
   for (const collision::ContactPoint& c : contacts)
     if (c.system_a >= 0 && c.system_a == c.system_b) touches_itself_[static_cast<std::size_t>(c.system_a)] = 1;
   for (std::size_t s = 0; s < systems.size(); ++s) scene_.set_self_collision(static_cast<int>(s), touches_itself_[s] != 0);
-  guard_.forget();  // a step must depend on the state alone, so that a restored run gives the same bits
+  guard_.forget();  // a step must depend only on the state, so that a restored run gives the same bits
   const StepReport report = guard_.step(systems, contacts, dt);
   forces_ = guard_.forces();
   const std::span<const collision::ContactPoint> all = guard_.contacts();

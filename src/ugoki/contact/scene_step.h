@@ -1,5 +1,5 @@
 #pragma once
-// A step of all systems of a scene from given contacts: guarded if there are contacts.
+// One step of all systems of a scene, from given contacts. A step with contacts is guarded (GuardedStep).
 
 #include <span>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace ugoki::contact {
 
-/// Advances the systems of a scene by steps. A step depends on positions, velocities, stepper().warm() and stepper().loop_memory() alone.
+/// Advances the systems of a scene by steps. A step depends only on positions, velocities, stepper().warm() and stepper().loop_memory().
 class SceneStep {
  public:
   SceneStep(const std::vector<MechanismPtr>& systems, const collision::Ground& ground, const StepperOptions& options);
@@ -17,7 +17,7 @@ class SceneStep {
   void set_executor(Executor* executor) { stepper_.set_executor(executor); }
 
   /// Advances all systems by dt [s]. On failure q and v keep their values from before the step.
-  /// @param contacts [in, out] contacts of ContactSearch; those that the guard found are appended
+  /// @param contacts [in, out] contacts of ContactSearch; contacts that the guard finds are appended
   StepReport step(std::span<StepSystem> systems, std::vector<collision::ContactPoint>& contacts, double dt);
   /// [contacts of the last step] N, world: mean force over the step on body a of each contact; empty after a step without contacts.
   [[nodiscard]] std::span<const Vec3> forces() const { return forces_; }
@@ -28,7 +28,7 @@ class SceneStep {
   Stepper stepper_;
   collision::Scene scene_;     // shapes that the guard tests
   GuardedStep guard_;          // repeats steps that end in penetration, with additional contacts
-  std::vector<char> touches_itself_;  // [systems] whether it has contacts between its own links
+  std::vector<char> touches_itself_;  // [systems] 1: the system has contacts between its own links
   std::span<const Vec3> forces_;
 };
 

@@ -43,8 +43,8 @@ struct StepperOptions {
   /// GuardedStep splits the step at a fifth of this depth.
   static constexpr double deep_overlap = 5e-3;
 
-  /// m | rad: a loop with a larger gap after a step is reported as open. Closed loops have gaps of about 1e-15, a step of a large heap
-  /// places its bodies to 1e-4 m. Test: step_report_test.cpp.
+  /// m | rad: a loop with a larger gap after a step is reported as open. This limit is far above the gaps of closed loops (1e-15) and far
+  /// below the position errors of bodies in a large heap (1e-4 m). Test: step_report_test.cpp.
   static constexpr double open_gap = 1e-6;
 
   Vec3 gravity{0, 0, -9.81};     ///< m/s^2
@@ -92,12 +92,12 @@ struct StepReport {
   int failed_motions = 0;      ///< fast systems that InertialMotion could not move; they moved at constant velocity instead
   int unfinished_impacts = 0;  ///< sequences of impacts that reached their maximum number of collisions
   int open_loops = 0;          ///< closed systems with a gap above StepperOptions::open_gap after the step
-  int stops = 0;               ///< substeps at whose limit of splitting GuardedStep stopped all systems until the substep ended
-  int left_overlaps = 0;       ///< steps or substeps that ended with an overlap that is new and deeper than 1 mm
+  int stops = 0;               ///< substeps that were not halved further, and in which GuardedStep stopped all systems before a passage
+  int left_overlaps = 0;       ///< substeps that ended with a new overlap deeper than 1 mm
 
-  /// Number of failed stages of the step.
+  /// Returns the number of failed stages of the step.
   [[nodiscard]] int failures() const { return failed_motions + unfinished_impacts + open_loops + stops + left_overlaps; }
-  /// Adds the report of the next substep: counts are summed, maxima are combined.
+  /// Adds the report of the next substep or step. Sums and maxima are updated; islands, contacts and limits are replaced; substeps stays.
   void add(const StepReport& next);
 };
 
@@ -129,7 +129,7 @@ class Stepper {
   /// Whether the last call of repeat() may have changed the result of a system. Meaningful only after repeat().
   [[nodiscard]] bool has_changed(int system) const { return solver_.is_solved(system); }
 
-  /// Limits the work of the velocity solver, see VelocitySolver::limit_newton().
+  /// Limits the work of Newton's method in the velocity solver; see VelocitySolver::limit_newton().
   void limit_newton(double operations) { solver_.limit_newton(operations); }
 
   /// [contacts] N, world axes: force on body a of each contact of the last step. The impulse of an impact is given as a force that is
@@ -144,8 +144,8 @@ class Stepper {
   [[nodiscard]] int system_count() const { return static_cast<int>(mechanisms_.size()); }
   [[nodiscard]] const StepperOptions& options() const { return options_; }
 
-  /// Impulses of the last step, from which the next step's solver starts. They and loop_memory() are the only memory between steps: save
-  /// and restore them with a simulation.
+  /// Impulses of the last step, from which the next step's solver starts. These impulses and loop_memory() are the only memory between
+  /// steps: save and restore both with a simulation.
   using Warm = contact::Warm;
   [[nodiscard]] std::span<const Warm> warm() const { return warm_.records(); }
   void set_warm(std::span<const Warm> warm) { warm_.set(warm); }
@@ -189,7 +189,7 @@ class Stepper {
     std::vector<int> dry_friction_dofs;   // DOFs with dry friction
     std::vector<char> contiguous_chain;   // [nv] 1: the chain of this DOF is 0, 1, 2 ...
     int singular_dof = -1;                // result of prepare(): DOF whose pivot is not positive; -1: none
-    double loop_gap = 0;                  // m | rad: result of integrate_system()
+    double loop_gap = 0;                  // m | rad: maximum gap of the system's loops, result of integrate_system()
     bool motion_failed = false;           // result of integrate_system(): see StepReport::failed_motions
     double rolling_radius = 0;            // m: radius of a free round body; 0 for all other systems
     bool free_body = false;               // true: the system is one floating link

@@ -159,7 +159,7 @@ void Stepper::spread_over_loops(std::size_t s, int last) {
 
 void Stepper::close_loops(std::size_t s, StepSystem& system) {
   SystemScratch::Loops& loops = *scratch_[s].loops;
-  // The status adds nothing to the gap: not_closed is also returned for gaps of 1e-12.
+  // The returned status is ignored and the gap is reported, because the status is not_closed even for gaps of 1e-12.
   (void)dynamics::project_position(*mechanisms_[s], loops.ws, loops.links, system.q, system.v, scratch_[s].loop_gap, max_closing_steps);
 }
 

@@ -35,7 +35,7 @@ class SweptContacts {
   int add(std::span<const collision::SystemMotion> systems, std::span<const std::span<const Pose>> X_WB, double dt, double margin,
           std::vector<collision::ContactPoint>& contacts);
 
-  /// Limits the work of all following calls together, see collision::ImpactSearch::limit_work().
+  /// Limits the number of distances that all following calls together may measure; see collision::ImpactSearch::limit_work().
   void limit_work(std::int64_t distances) { search_.limit_work(distances); }
 
  private:

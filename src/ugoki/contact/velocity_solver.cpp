@@ -22,7 +22,7 @@ void invert(const double* S, double* out) {
   out[5] = (d * e - a * f) * scale;
 }
 
-constexpr std::size_t crowd = 256;  // blocks in a step above which the coarse tolerance and half the sweeps are used
+constexpr std::size_t crowd = 256;  // number of blocks in a step above which the coarse tolerance and half the sweeps are used
 
 }  // namespace
 
@@ -278,7 +278,7 @@ bool VelocitySolver::solve_densely(const Island& island, const SolverOptions& op
 }
 
 /// @param crowded whether the step has more than `crowd` blocks
-/// @return whether the last sweep changed no velocity by more than the tolerance, or than DenseIsland::accepted_residual
+/// @return true if the last sweep changed every velocity by less than the tolerance, or by less than DenseIsland::accepted_residual
 bool VelocitySolver::solve_island(const Island& island, const SolverOptions& options, bool crowded, SolverReport& report) {
   constexpr int round = 12;      // sweeps between two checks of the convergence rate
   constexpr int max_rounds = 6;  // rounds up to which sweeping is cheaper than Newton's method

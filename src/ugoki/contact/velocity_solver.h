@@ -8,7 +8,7 @@
 //
 // The impulses p satisfy the law of each block (contact_law.h).
 //
-// An island is a group of systems joined by rows; islands are solved one by one, each by the first of these methods that converges:
+// An island is a group of systems joined by rows; islands are solved independently, each by the first of these methods that converges:
 //   1. Small islands: sweeps and semi-smooth Newton steps on the dense matrix B = Y Y^T (dense_island.h).
 //   2. Sweeps: each visits the blocks of the island one after the other (block Gauss-Seidel) and solves each block by itself.
 //   3. If sweeps converge slowly (heavy bodies on light ones, towers): Newton's method on w for the augmented Lagrangian. Its sparse matrix
@@ -42,12 +42,12 @@ struct SolverReport {
   int sweeps = 0;        ///< maximum number of sweeps over one island
   int newton_steps = 0;  ///< Newton steps, summed over all islands
   int handed_over = 0;   ///< small islands for which method 1 (dense matrix) did not converge
-  int not_converged = 0; ///< islands whose present solution is above their tolerance and DenseIsland::accepted_residual; also those that solve_again() did not solve
+  int not_converged = 0; ///< islands with a residual above tolerance and accepted_residual (DenseIsland), also if not solved again
   double residual = 0;   ///< m/s: maximum change of a velocity in the last sweep
 };
 
-/// Scenes with fewer DOFs are stepped on one thread. The threads of a pool need 5 to 20 us to begin and end, as long as a step of 50 DOFs
-/// among contacts.
+/// Scenes with fewer DOFs are stepped on one thread, because the threads of a pool need 5 to 20 us to begin and end. In this time, one
+/// thread can step a scene with 50 DOFs and contacts.
 inline constexpr std::size_t min_parallel_dofs = 256;
 
 /// Solves the impulses of one step; see the equations at the top of this file. Keeps its memory from step to step.
@@ -79,9 +79,9 @@ class VelocitySolver {
   void end_block(std::span<const double> target, std::span<const double> warm);
   void drop_block();
 
-  /// Limits the work of Newton's method in all following calls together, until the next call of this function. At first only the work
-  /// of one call is limited. When the limit is reached, large or difficult islands are solved by sweeps alone.
-  /// @param operations estimated floating-point operations
+  /// Limits the work of Newton's method in all following solutions together, until the next call. Initially only the work for each
+  /// island in each solution is limited. At the limit, large or difficult islands are solved by sweeps alone.
+  /// @param operations estimated number of floating-point operations
   void limit_newton(double operations) { newton_left_ = operations; }
 
   SolverReport solve(const SolverOptions& options);
@@ -141,8 +141,8 @@ class VelocitySolver {
   struct Worker;
   Executor* executor_ = nullptr;
   std::vector<std::unique_ptr<Worker>> workers_;
-  std::vector<int> to_solve_;  // indices of the islands to solve
-  std::vector<double> used_;  // [to_solve_] floating-point operations of Newton's method that each of these islands has used
+  std::vector<int> to_solve_;  // indices in islands_ of the islands to solve
+  std::vector<double> used_;  // [to_solve_] floating-point operations that Newton's method used for each of these islands
 
   DenseIsland dense_;
   std::vector<int> first_;  // [systems + 1] index in w_ of the first DOF of each system
@@ -161,13 +161,13 @@ class VelocitySolver {
   std::vector<int> cursor_;
   std::vector<Island> islands_;
   std::vector<char> solved_;  // [systems] 1: see is_solved()
-  std::vector<char> failed_;  // [systems] 1: the first system of an island whose solution is above the tolerance
+  std::vector<char> failed_;  // [systems] 1: the system is the first of an island that is not solved to the tolerance
 
   // Newton's method (symbols: velocity_newton.cpp)
   double regularization_ = 0;                                   // R relative to a block's inverse inertia
-  double budget_ = 0, cost_ = 0;  // floating-point operations: left for the island that is solved, needed by one Newton step
-  double island_budget_ = 0;      // floating-point operations that each island may use in one call
-  double newton_left_ = HUGE_VAL; // floating-point operations that all islands may use until the next limit_newton()
+  double budget_ = 0, cost_ = 0;  // floating-point operations: left for the present island; needed by one Newton step
+  double island_budget_ = 0;      // floating-point operations that Newton's method may use for each island in one call
+  double newton_left_ = HUGE_VAL; // floating-point operations left for all islands until the next limit_newton()
   std::vector<int> local_;                                      // [systems] first row of the system in H_
   std::vector<int> lowest_;                                     // [n] first column of each row in the envelope of H_
   std::vector<std::size_t> start_;                              // [n] index in H_ of the first stored entry of each row (column lowest_)

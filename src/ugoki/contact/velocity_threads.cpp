@@ -6,7 +6,7 @@
 
 namespace ugoki::contact {
 
-/// A solver for copies of islands, and the sum of its reports.
+/// The solver of one worker thread, which solves copies of islands, and the combined reports of these islands.
 struct VelocitySolver::Worker {
   VelocitySolver solver;
   SolverReport report;
@@ -26,7 +26,7 @@ void VelocitySolver::set_executor(Executor* executor) {
   }
 }
 
-/// Makes this solver contain one island of `from`. Indices of systems, blocks, segments, rows and DOFs count within the island.
+/// Replaces the data of this solver by a copy of one island of `from`. All indices in the copy count from the beginning of the island.
 void VelocitySolver::copy_island(const VelocitySolver& from, const Island& island) {
   const auto members = std::span(from.members_).subspan(static_cast<std::size_t>(island.first_system), static_cast<std::size_t>(island.systems));
   const auto order = std::span(from.order_).subspan(static_cast<std::size_t>(island.first_block), static_cast<std::size_t>(island.blocks));
@@ -37,7 +37,7 @@ void VelocitySolver::copy_island(const VelocitySolver& from, const Island& islan
   order_.clear();
   for (const int member : members) {
     const auto s = static_cast<std::size_t>(member);
-    cursor_[s] = static_cast<int>(members_.size());  // index in the island of a system of `from`
+    cursor_[s] = static_cast<int>(members_.size());  // index in the island of system s of `from`
     members_.push_back(static_cast<int>(members_.size()));
     w_.insert(w_.end(), from.w_.begin() + from.first_[s], from.w_.begin() + from.first_[s + 1]);
     first_.push_back(static_cast<int>(w_.size()));
@@ -60,12 +60,12 @@ void VelocitySolver::copy_island(const VelocitySolver& from, const Island& islan
       segments_.push_back(x);
     }
     order_.push_back(static_cast<int>(blocks_.size()));
-    b.contact_block = static_cast<int>(blocks_.size()) - 1;  // roll: the block of its contact comes just before it
+    b.contact_block = static_cast<int>(blocks_.size()) - 1;  // a roll block directly follows the block of its contact
     blocks_.push_back(b);
   }
 }
 
-/// Copies the impulses and velocity changes of an island that copy_island() took from `to`.
+/// Copies the impulses and velocity changes of the island back to `to`, from which copy_island() copied the island.
 void VelocitySolver::copy_solution_to(VelocitySolver& to, const Island& island) const {
   for (std::size_t k = 0; k < static_cast<std::size_t>(island.systems); ++k) {
     const int s = to.members_[static_cast<std::size_t>(island.first_system) + k];
@@ -77,7 +77,7 @@ void VelocitySolver::copy_solution_to(VelocitySolver& to, const Island& island) 
   }
 }
 
-/// Solves the islands to_solve_ on all threads. An island is solved by one thread, so its result does not depend on the number of threads.
+/// Solves the islands in to_solve_ on all threads. One thread solves a whole island, so results do not depend on the number of threads.
 void VelocitySolver::solve_on_threads(const SolverOptions& options, bool crowded, SolverReport& report) {
   for (const auto& w : workers_) {
     w->report = {};
@@ -93,7 +93,7 @@ void VelocitySolver::solve_on_threads(const SolverOptions& options, bool crowded
     w.solver.copy_solution_to(*this, island);
     used_[k] = island_budget_ - w.solver.budget_;
   });
-  for (const double operations : used_) newton_left_ -= operations;  // in the order of the islands, as without threads
+  for (const double operations : used_) newton_left_ -= operations;  // summed in the order of the islands, as on one thread
   for (const auto& w : workers_) {
     report.sweeps = std::max(report.sweeps, w->report.sweeps);
     report.newton_steps += w->report.newton_steps;

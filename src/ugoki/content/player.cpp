@@ -25,12 +25,12 @@ struct Player::Machine {
   std::unique_ptr<lsi::World> world;
   std::unique_ptr<circuit::Interpreter> interpreter;
   PinView state, contacts, events, poses, characters, measures;  // outputs of the circuit
-  /// Outputs of a dynamics LSI that report on its steps.
+  /// Outputs of a dynamics LSI that report how well its step was solved.
   struct StepPins {
     PinView not_converged, substeps, failures;
   };
   std::vector<PinView> touches;                                  // output `touches` of every dynamics LSI
-  std::vector<StepPins> quality;                                 // of every dynamics LSI
+  std::vector<StepPins> quality;                                 // report pins of every dynamics LSI
   std::span<std::byte> live;                                     // input `live` of the circuit: the user's events for the next step
   circuit::DeviceFeed devices;
   std::vector<PlayerInput> inputs;     // inputs applied since the start

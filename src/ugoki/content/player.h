@@ -68,7 +68,7 @@ struct PlayerStepQuality {
 struct PlayerOptions {
   std::shared_ptr<const circuit::Library> library;  ///< LSIs (function blocks) that circuits may use; null: lsi::standard_library()
   circuit::Activity* activity = nullptr;            ///< records which LSI runs; must outlive the player; may be null
-  /// Threads for LSIs and for the systems of a step; must outlive the player; null: the calling thread only. The bits do not depend on it.
+  /// Threads for LSIs and for the systems of a step; must outlive the player; null: the calling thread only. Results have the same bits.
   circuit::Executor* executor = nullptr;
 };
 
@@ -95,7 +95,7 @@ class Player {
   [[nodiscard]] Result<void> step();
   /// Lists the touches that began or ended in the last step. @param out is cleared first
   void touches(std::vector<PlayerTouch>& out) const;
-  /// Solution quality of the last step.
+  /// Returns how well the last step was solved.
   [[nodiscard]] PlayerStepQuality step_quality() const;
   [[nodiscard]] std::uint64_t step_count() const;  ///< steps since time 0
   [[nodiscard]] double time() const;               ///< s

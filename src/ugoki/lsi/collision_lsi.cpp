@@ -26,7 +26,7 @@ std::int32_t step(const Call* call) {
     self.motions[static_cast<std::size_t>(who.index)] = {q_of(who, circuit::input(call, 0)), v_of(who, circuit::input(call, 0))};
   std::vector<collision::ContactPoint>& contacts = self.search.find(self.motions, call->tick->dt);
   const std::size_t room = call->out_count[0];
-  if (contacts.size() > room) {  // keep the closest contacts; the key makes the order unique
+  if (contacts.size() > room) {  // keep the closest contacts; equal distances are ordered by key, so that the order is unique
     std::sort(contacts.begin(), contacts.end(),
               [](const auto& a, const auto& b) { return a.distance != b.distance ? a.distance < b.distance : a.key < b.key; });
     contacts.resize(room);

@@ -40,14 +40,14 @@ std::size_t warm_capacity(const World& world) {
   return n;
 }
 
-/// Returns the offset of the touches in the state, bytes. The state is plain bytes: the stepper's warm start, the current touches, and the
-/// memory of each character's loops. Warm start and touches are counts followed by records.
+/// Returns the offset [bytes] of the touches in the saved state. The state consists of the stepper's warm start (a count, then records),
+/// the current touches (a count, then records), and the memory of each character's loops.
 std::size_t touches_at(const World& world) { return sizeof(std::uint64_t) + warm_capacity(world) * sizeof(Stepper::Warm); }
 // Maximum number of current touches that are saved, and maximum number of touch events per tick. Further touches are not saved; further
 // events are replaced by one event that counts them.
 constexpr std::size_t touch_capacity = 256, touch_events = 64;
 
-/// Returns the offset of the memories of the characters' loops in the state, bytes.
+/// Returns the offset [bytes] of the characters' loop memories in the saved state.
 std::size_t loops_at(const World& world) { return touches_at(world) + sizeof(std::uint64_t) + touch_capacity * sizeof(contact::Touch); }
 
 void add_wrench(Dynamics& self, const EventRecord& e, const Vec3& p, const Vec3& force) {

@@ -71,7 +71,7 @@ class World final : public circuit::Resources {
   [[nodiscard]] std::uint32_t state_count() const { return payload_count(state_size_); }
   /// Number of elements of a payload for n values: payloads have at least 1 element.
   [[nodiscard]] static std::uint32_t payload_count(std::size_t n) { return n ? static_cast<std::uint32_t>(n) : 1; }
-  /// Threads on which LSIs may compute systems in parallel; null: none. The bits do not depend on it. Set it before circuits are built.
+  /// Sets the threads on which LSIs compute systems in parallel; null: none. Results have the same bits. Call it before circuits are built.
   void set_executor(Executor* executor) { executor_ = executor; }
   [[nodiscard]] Executor* executor() const { return executor_; }
   /// Maximum number of records of a contacts payload: 8 for each shape (4 corners on the ground, and 4 other contacts), from 64 to 4096.

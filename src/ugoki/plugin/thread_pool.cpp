@@ -64,7 +64,7 @@ int ThreadPool::workers() const { return static_cast<int>(shared_->threads.size(
 
 void ThreadPool::run(void (*work)(void*, int), void* context) {
   Shared& s = *shared_;
-  if (s.busy.exchange(true, std::memory_order_acquire)) {  // called by a worker
+  if (s.busy.exchange(true, std::memory_order_acquire)) {  // a worker called `run`, so the other threads are busy
     for (int w = 0; w < workers(); ++w) work(context, w);
     return;
   }

@@ -28,7 +28,7 @@ struct Take {
   double rate = 60;  ///< frames per second
   int frames = 0;
   std::vector<TakeCharacter> characters;
-  Vec3 gravity;  ///< m/s^2
+  Vec3 gravity;  ///< acceleration of gravity, m/s^2
   content::ScenarioCamera camera;
 };
 

@@ -28,14 +28,14 @@ std::string number(double x) {
   return out;
 }
 
-/// The six motions of a joint, in the order of these names.
+/// Names of the six motions of a joint in UsdPhysics: translations and rotations along and about x, y, z.
 constexpr const char* motions[6] = {"transX", "transY", "transZ", "rotX", "rotY", "rotZ"};
 
-/// A joint of UsdPhysics: its type, the rotation of its frame in the joint's frame, and for the generic type the free motions.
+/// A joint of UsdPhysics. For the generic type PhysicsJoint, `free` lists the motions that are not locked.
 struct UsdJoint {
   std::string type;
-  Mat3 R;              // z of the USD joint's frame is along the axis
-  bool free[6] = {};   // of motions; used by the type PhysicsJoint
+  Mat3 R;              // USD joint's frame in the joint's frame: z is along the axis; universal joint: x and y are along the two axes
+  bool free[6] = {};   // [motions] true: the motion is free
 };
 Mat3 along(const Vec3& axis) { return to_matrix(rotation_between({0, 0, 1}, axis)); }
 
@@ -143,7 +143,7 @@ class PhysicsWriter {
     return out;
   }
 
-  /// Writes a joint between two links (-1: the world). @param X0, X1 frames of the joint in the two links
+  /// Writes a joint between two links (-1: the world). @param X0, X1 poses of the joint's frame in the two links
   void joint(const std::string& name, const UsdJoint& j, int link0, int link1, const Pose& X0, const Pose& X1, const Dof* limits, bool loop) {
     std::string schemas;
     for (int k = 0; k < 6 && j.type == "PhysicsJoint"; ++k)
@@ -160,11 +160,11 @@ class PhysicsWriter {
     const bool turns = j.type == "PhysicsRevoluteJoint";
     if (turns || j.type == "PhysicsPrismaticJoint") {
       out_ += "            uniform token physics:axis = \"Z\"\n";
-      const double unit = turns ? 180 / pi : 1;  // limits of angles are in degrees
+      const double unit = turns ? 180 / pi : 1;  // UsdPhysics has limits of angles in degrees
       if (limits && std::isfinite(limits->lower)) out_ += "            float physics:lowerLimit = " + number(unit * limits->lower) + '\n';
       if (limits && std::isfinite(limits->upper)) out_ += "            float physics:upperLimit = " + number(unit * limits->upper) + '\n';
     }
-    for (int k = 0; k < 6 && j.type == "PhysicsJoint"; ++k)  // a lower limit above the upper one locks the motion
+    for (int k = 0; k < 6 && j.type == "PhysicsJoint"; ++k)  // UsdPhysics locks a motion whose lower limit is above its upper limit
       if (!j.free[k])
         out_ += "            float limit:" + std::string(motions[k]) + ":physics:low = 1\n            float limit:" + motions[k] +
                 ":physics:high = -1\n";

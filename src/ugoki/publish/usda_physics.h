@@ -1,5 +1,5 @@
 #pragma once
-// Mechanisms as UsdPhysics. Internal to publish.
+// Writer of mechanisms as UsdPhysics. Internal to publish.
 
 #include <set>
 #include <span>
@@ -9,13 +9,13 @@
 
 namespace ugoki::publish {
 
-/// A name that USD allows (letters, digits and _; no digit first) and that is not in `used` yet.
+/// Returns a name that USD allows (letters, digits and _; no digit first) and that is not yet in `used`.
 [[nodiscard]] std::string usd_name(const std::string& name, std::set<std::string>& used);
 
-/// A prim of type Xform below </Content>, with a rigid body for each link (mass, inertia, collision shapes), a joint for each joint and loop,
-/// and an articulation root. Floating roots have no joint. Joint limits are written; springs, dampers, gears and distance loops are not,
-/// nor the collision shapes of meshes and height fields. Helical joints lose the coupling of rotation and translation.
-/// @param poses [links] m, world: poses of the links in the first frame @param name of the prim, a USD name
+/// Returns a prim of type Xform below </Content> with an articulation root, a rigid body for each link (mass, inertia, collision shapes),
+/// and a joint for each joint and loop; floating roots have no joint. Of the limits, those of revolute and prismatic joints are written.
+/// Not written: springs, dampers, gear and distance loops, meshes, height fields, coupling of rotation and translation of helical joints.
+/// @param poses [links] poses of the links in the world in the first frame, m @param name USD name of the prim
 [[nodiscard]] std::string usda_physics(const Mechanism& mechanism, std::span<const Pose> poses, const std::string& name);
 
 }  // namespace ugoki::publish

@@ -317,7 +317,7 @@ class MjcfWriter {
     xml_.end();
   }
 
-  /// Writes the frames of the motion. A free joint of MuJoCo has the pose of its body in the world, all others that of the joint.
+  /// Writes the frames of the motion as keys. The qpos of a free joint is the pose of its body in the world; other joints have coordinates.
   void write_keys() {
     const auto nq = static_cast<std::size_t>(m_.nq());
     if (motion_.q.empty() || nq == 0) return;
@@ -349,7 +349,7 @@ class MjcfWriter {
   struct Coordinate {
     const Link* link;
     int q;          // index into the mechanism's coordinates; -1: free joint
-    double factor;  // qpos divided by the coordinate
+    double factor;  // qpos = factor * coordinate
   };
 
   const Mechanism& m_;

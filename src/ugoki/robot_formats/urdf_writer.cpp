@@ -178,7 +178,7 @@ class UrdfWriter {
     }
   }
 
-  /// Adds the columns of a joint with several coordinates to the table of the motion.
+  /// Adds the columns of a joint with several coordinates to the motion table.
   void add_columns(const Link& l, const std::string& name) {
     std::vector<const char*> suffixes;
     switch (l.joint.type) {
@@ -204,7 +204,7 @@ class UrdfWriter {
     out_.files.push_back({stem_ + "-motion.csv", std::move(table)});
   }
 
-  /// Notes the properties of a DOF that URDF cannot store.
+  /// Adds notes about the properties of a DOF that URDF cannot store.
   /// @param no_limits the joint has several DOFs, for which URDF has neither limits nor individual properties
   void note_lost_properties(const Link& l, const Dof& f, bool no_limits) {
     if (f.stiffness != 0 || f.rest != 0) notes_.add("URDF cannot store joint springs; those of % are left out.", l.name);
@@ -308,11 +308,11 @@ class UrdfWriter {
     if (!pairs.empty()) out_.files.push_back({stem_ + ".yaml", "closed_loop: [" + pairs + "]\ntype: [" + types + "]\n"});
   }
 
-  /// A column of the table of the motion.
+  /// A column of the motion table.
   struct Column {
     std::string name;
     int q;          // index into the mechanism's coordinates
-    double factor;  // value divided by the coordinate
+    double factor;  // value = factor * coordinate
   };
 
   const Mechanism& m_;
@@ -331,7 +331,7 @@ class UrdfWriter {
 RobotText write_urdf(const Mechanism& mechanism, std::string_view stem, const RobotMotion& motion) {
   const int at = mechanism.find_link("world");
   if (at < 0 || UrdfWriter::is_world(mechanism.link(at))) return UrdfWriter(mechanism, stem, motion).write();
-  // Readers take a link named "world" as the base, so another link of this name is renamed.
+  // Readers take any link named "world" as the base, so another link of this name gets another name.
   MechanismSpec spec = mechanism.spec();
   std::string name = "world link";
   while (mechanism.find_link(name) >= 0) name += "_";

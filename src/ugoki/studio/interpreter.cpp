@@ -440,9 +440,9 @@ void Interpreter::count_quality() {
   quality_ += simulation_->step_quality();
 }
 
-/// Logs how many contacts were not solved, how many stages of steps failed, and how many steps were split, if there are any.
+/// Logs how many groups of contacts were not solved, how many stages of steps failed, and how many steps were split, if any is not zero.
 void Interpreter::report_quality() {
-  constexpr double period = 1;  // s between two messages while playing, so that a large heap does not flood the log
+  constexpr double period = 1;  // s: minimum time between two messages while playing, so that a large heap does not flood the log
   const bool faulty = quality_.not_converged + quality_.failures > 0;
   if (!faulty && quality_.split_steps == 0) return;
   if (playing_ && quality_reported_ >= 0 && seconds_() - quality_reported_ < period) return;

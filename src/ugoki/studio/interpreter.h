@@ -162,10 +162,10 @@ class Interpreter {
   bool show_closest_ = false;
   std::unique_ptr<ClosestPairs> closest_pairs_;  ///< created when closest points are first shown
   int touches_reported_ = 0;                     ///< number of touches reported since the last summary
-  content::PlayerStepQuality quality_;           ///< sum over the steps since the last message about it
-  double quality_begin_ = 0;                     ///< time of the first of these steps, s
-  double quality_reported_ = -1;                 ///< clock time of that message, s
-  std::int64_t quality_step_ = 0;                ///< steps up to this one are counted; a step that is computed again is not
+  content::PlayerStepQuality quality_;           ///< sum over the steps since the last message of report_quality()
+  double quality_begin_ = 0;                     ///< simulated time at the beginning of the first of these steps, s
+  double quality_reported_ = -1;                 ///< clock time of the last message of report_quality(), s; -1: none
+  std::int64_t quality_step_ = 0;                ///< number of the last counted step; steps up to it are not counted again when recomputed
   double values_reported_ = -1;
   std::string status_ = "ready";
   Error stop_;  ///< the reason why blown_up_ is set

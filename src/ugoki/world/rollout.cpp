@@ -5,7 +5,7 @@
 namespace ugoki::world {
 namespace {
 
-/// The worlds of one call of run().
+/// Arguments of one call of Rollout::run().
 struct Work {
   const World* world;
   std::span<WorldState> states;

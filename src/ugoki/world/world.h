@@ -1,6 +1,6 @@
 #pragma once
-// Worlds that are stepped in large numbers: what never changes (World), what changes (WorldState), and the working memory of one thread
-// (WorldStepper).
+// Types for the simulation of many worlds: constant data shared by all worlds (World), the state of one world (WorldState), and the
+// working memory of one thread (WorldStepper).
 
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace ugoki::world {
 struct WorldOptions {
   contact::StepperOptions stepper;
   collision::Ground ground;
-  double margin = 0.02;         ///< m: pairs of shapes up to this gap are contacts
+  double margin = 0.02;         ///< m: pairs of shapes with at most this gap become contacts
   bool self_collision = false;  ///< links of one system collide with each other
 };
 
@@ -45,8 +45,8 @@ class World {
   std::size_t nq_ = 0, nv_ = 0;
 };
 
-/// Everything of a world that changes, in one block of memory: positions, velocities, and what the next step needs to give the same bits
-/// as without saving (impulses of the last step, memory of loops). Copying allocates nothing between states of one world and copies only
+/// State of a world in one block of memory: positions, velocities, impulses of the last step and memory of loops. A stepper that loads a
+/// state continues with the same bits as the stepper that stored it. Copying between states of one world allocates nothing and copies only
 /// the part in use, about 2 kB for a walking human.
 class WorldState {
  public:
@@ -58,15 +58,15 @@ class WorldState {
   WorldState& operator=(WorldState&&) noexcept = default;
   ~WorldState() = default;
 
-  [[nodiscard]] std::span<double> q(int system);  ///< [nq] m | rad | unit quaternions
-  [[nodiscard]] std::span<double> v(int system);  ///< [nv] m/s | rad/s
+  [[nodiscard]] std::span<double> q(int system);  ///< [nq of the system] m | rad | unit quaternions
+  [[nodiscard]] std::span<double> v(int system);  ///< [nv of the system] m/s | rad/s
   [[nodiscard]] std::span<const double> q(int system) const { return const_cast<WorldState*>(this)->q(system); }
   [[nodiscard]] std::span<const double> v(int system) const { return const_cast<WorldState*>(this)->v(system); }
   /// The part of the block that is in use.
   [[nodiscard]] std::span<const std::byte> bytes() const { return std::as_bytes(std::span(block_).first(used_)); }
   /// Hash of bytes().
   [[nodiscard]] std::uint64_t hash() const;
-  /// False after a step with more impulses than World::impulse_capacity(): the next step then begins without some of them.
+  /// Returns false if the stored step had more impulses than World::impulse_capacity(); the impulses beyond the capacity are lost.
   [[nodiscard]] bool is_complete() const { return complete_; }
 
  private:
@@ -80,28 +80,28 @@ class WorldState {
   bool complete_ = true;
 };
 
-/// Drive forces of all systems for one step.
+/// Drive forces and servos of all systems for one step.
 struct WorldControl {
   std::span<const double> tau;             ///< [World::nv()] N | N m; empty: none
   std::span<const double> servo_gain;      ///< [World::nv()] N m s/rad; empty: none
   std::span<const double> servo_velocity;  ///< [World::nv()] rad/s; empty together with servo_gain
 };
 
-/// Steps worlds one after the other. Working memory of one calling thread; a result depends on the given state alone.
+/// Steps worlds one after the other. Contains the working memory of one thread; a result depends only on the given state and controls.
 class WorldStepper {
  public:
   /// World and executor must outlive this object. @param executor threads for the systems of a large world (Stepper::set_executor); null:
   /// the calling thread only
   explicit WorldStepper(const World& world, Executor* executor = nullptr);
 
-  /// Reads the state from which steps continue. O(size of the state).
+  /// Sets the state from which the following steps continue. O(size of the state).
   void load(const WorldState& state);
   /// Computes one step of dt [s]. On failure the positions and velocities are those before the step.
   /// Allocates nothing after warm-up, unless the number of contacts grows.
   contact::StepReport step(const WorldControl& control, double dt);
-  /// Writes the present state. @param state [out] a state of the same world
+  /// Writes the present state into `state`. @param state [out] must belong to the same world
   void store(WorldState& state) const;
-  /// Contacts of the last step with their forces [N, world], see contact::SceneStep.
+  /// Contacts of the last step, and in forces() the mean force on body a of each contact [N, world]; see contact::SceneStep.
   [[nodiscard]] std::span<const collision::ContactPoint> contacts() const { return *contacts_; }
   [[nodiscard]] std::span<const Vec3> forces() const { return step_.forces(); }
 
@@ -109,7 +109,7 @@ class WorldStepper {
   const World* world_;
   contact::ContactSearch search_;
   contact::SceneStep step_;
-  std::vector<double> q_, v_, zeros_;  // of all systems
+  std::vector<double> q_, v_, zeros_;  // of all systems; zeros_: drive forces if none are given
   std::vector<collision::SystemMotion> motions_;
   std::vector<contact::StepSystem> systems_;
   std::vector<collision::ContactPoint>* contacts_;

@@ -20,9 +20,9 @@ interface Settings {
   theme: 'dark' | 'light';
   assist: boolean;
   png: boolean;
-  /** Form of the pixels for a video: 'rgba' has rows from the bottom to the top, 'planar' is that of PlanarReader. Empty: no video. */
+  /** Form of the pixels that are sent for videos: 'rgba' (rows from the bottom to the top), 'planar' (PlanarReader) or '' (no video). */
   raw: '' | 'rgba' | 'planar';
-  /** Number of pictures that may be under way. */
+  /** Maximum number of pictures that are sent but not yet answered. */
   ahead: number;
   inputs?: RecordedInput[];
 }

@@ -1,7 +1,7 @@
-/** Reads a drawn picture as planar YCbCr 4:2:0, the form that video coders take: 1.5 bytes a pixel instead of 4, converted on the graphics processor. */
+/** Reads a drawn picture as planar YCbCr 4:2:0, the input form of video coders (1.5 bytes a pixel). The graphics processor converts it. */
 import * as THREE from 'three';
 
-// Bytes of the output: luma, then Cb, then Cr, each row by row from the top of the picture. A texel holds four consecutive bytes.
+// Bytes of the output: luma, then Cb, then Cr, each row by row from the top of the picture. Each output pixel contains four of these bytes.
 const fragment_shader = `
 precision highp float;
 precision highp int;
@@ -27,17 +27,17 @@ void main() {
   bytes = vec4(value(at), value(at + 1), value(at + 2), value(at + 3));
 }`;
 
-/** Whether pictures of this size can be read: width a multiple of 8, height even. */
+/** Returns true if pictures of this size can be read: the width is a multiple of 8, and the height is even. */
 export const fits_planar = (width: number, height: number): boolean => width % 8 === 0 && height % 2 === 0;
 
-/** Converts with the matrix of ITU-R BT.709, limited range (luma 16 ... 235), chroma at the centre of each 2 x 2 pixels. */
+/** Converter by the matrix of ITU-R BT.709 with limited range (luma 16 ... 235). Chroma is the mean of 2 x 2 pixels, at their centre. */
 export class PlanarReader {
   private readonly picture: THREE.FramebufferTexture;
   private readonly target: THREE.WebGLRenderTarget;
   private readonly scene = new THREE.Scene();
   private readonly camera = new THREE.Camera();
 
-  /** @param width, height px of the renderer's canvas, see fits_planar() */
+  /** @param width, height size of the renderer's canvas in px; fits_planar() must be true */
   constructor(private readonly renderer: THREE.WebGLRenderer, private readonly width: number, private readonly height: number) {
     this.picture = new THREE.FramebufferTexture(width, height);
     this.target = new THREE.WebGLRenderTarget(width / 4, (3 * height) / 2, { depthBuffer: false, minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter });
@@ -59,7 +59,7 @@ export class PlanarReader {
     return (3 * this.width * this.height) / 2;
   }
 
-  /** Reads the picture that was drawn last. Further pictures may be drawn before the promise is fulfilled. @param into [size] */
+  /** Reads the picture that was drawn last into a buffer of `size` bytes. Further pictures may be drawn before the promise is fulfilled. */
   read(into: Uint8Array<ArrayBuffer>): Promise<Uint8Array<ArrayBuffer>> {
     const { renderer, target } = this;
     renderer.copyFramebufferToTexture(this.picture);
