@@ -106,16 +106,29 @@ std::string stated_content(const plugin::Inspection& file) {
   return out;
 }
 
+/// A sentence about the libraries that are loaded together with a library file; empty if there are none.
+std::string needed_text(const plugin::Inspection& file) {
+  if (file.needed.empty()) return {};
+  std::string out;
+  for (const std::string& name : file.needed) out += (out.empty() ? "" : ", ") + name;
+  return "It loads further libraries, whose content this SHA-256 does not cover: " + out +
+         (file.search_path.empty() ? "" : " (searched in " + file.search_path + ")") + ".";
+}
+
 /// Asks for consent to install a library. Without a terminal, --yes or --hash is required. No code of the file has run before.
 Result<void> ask_consent(const Options& o, const plugin::Inspection& file, const std::string& path) {
   if (!o.hash.empty() && o.hash != file.hash)
     return fail(ErrorCode::conflict, path, "The SHA-256 of the file is " + file.hash + ", not the one given with --hash.",
                 "Download the library again from the publisher of the hash.");
-  if (o.yes || !o.hash.empty()) return {};
+  const std::string needed = needed_text(file);
+  if (o.yes || !o.hash.empty()) {
+    if (!needed.empty()) std::cerr << "ugoki: warning: " << path << ": " << needed << '\n';
+    return {};
+  }
   if (isatty(STDIN_FILENO) == 0)
-    return fail(ErrorCode::cancelled, path, "A library runs with all your rights; installing it needs your consent.",
+    return fail(ErrorCode::cancelled, path, "A library runs with all your rights; installing it needs your consent." + (needed.empty() ? "" : " " + needed),
                 "If you trust it, add --yes, or --hash " + file.hash);
-  print_line(stated_content(file) + " is a program that runs with all your rights.\nSHA-256 " + file.hash + "\nInstall it? [y/N] ");
+  print_line(stated_content(file) + " is a program that runs with all your rights.\nSHA-256 " + file.hash + (needed.empty() ? "" : "\n" + needed) + "\nInstall it? [y/N] ");
   std::string answer;
   std::getline(std::cin, answer);
   if (answer == "y" || answer == "Y" || answer == "yes") return {};

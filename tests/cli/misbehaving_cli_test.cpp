@@ -1,5 +1,11 @@
 // 43 misbehaving LSIs in `ugoki lsi test` and `ugoki circuit run`: the message names each LSI, and the exit status is 1.
 
+#include <signal.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <iterator>
+
 #include "../plugin/misbehaving.h"
 #include "shelf_test.h"
 
@@ -18,6 +24,48 @@ class Slow_MisbehavingCliTest : public ShelfTest {
     EXPECT_NE(o.err.find(report), std::string::npos) << name << "\n" << o.err;
   }
 };
+
+/// The processes whose command line contains `text`, except this one.
+std::vector<pid_t> processes_with(const std::string& text) {
+  std::vector<pid_t> out;
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename().string();
+    if (name.find_first_not_of("0123456789") != std::string::npos || name == std::to_string(::getpid())) continue;
+    std::ifstream file(entry.path() / "cmdline", std::ios::binary);
+    if (std::string((std::istreambuf_iterator<char>(file)), {}).find(text) != std::string::npos) out.push_back(std::stoi(name));
+  }
+  return out;
+}
+
+// `circuit run` computes in a child process. A signal to the command alone must end the child too.
+class SignalledCircuitTest : public ShelfTest {};
+
+TEST_F(SignalledCircuitTest, SignalToTheCommandEndsItsChild) {
+  const std::string circuit = write("endless.json", R"({"version": 1, "name": "t", "lsis": [{"id": "c", "type": "clock"}]})");
+  for (const int number : {SIGINT, SIGTERM, SIGKILL}) {
+    ::signal(number, SIG_DFL);
+    const pid_t command = start_program({"circuit", "run", circuit, "--duration", "1e9"}, environment());
+    for (int i = 0; i < 1000 && processes_with(circuit).size() < 2; ++i) ::usleep(10'000);
+    ASSERT_EQ(processes_with(circuit).size(), 2u);
+    ::usleep(200'000);  // us: the child has begun to count ticks; an earlier signal ends it too
+    ::kill(command, number);
+    const int status = wait_for(command);
+    EXPECT_TRUE(status == 1 || status == 128 + number) << status;
+    for (int i = 0; i < 1000 && !processes_with(circuit).empty(); ++i) ::usleep(10'000);
+    EXPECT_TRUE(processes_with(circuit).empty()) << "signal " << number;
+  }
+}
+
+// An LSI copies the process with fork, and both copies return.
+TEST_F(SignalledCircuitTest, CopyOfTheProcessWritesNoResults) {
+  const std::string source = write("copies.c", "#include <unistd.h>\n/// @library copies\ndouble f(double t) { if (t > 0.015 && t < 0.025) fork(); return t; }\n");
+  const std::string circuit = write("copies.json", R"({"version": 1, "name": "t", "lsis": [{"id": "c", "type": "clock"},
+      {"id": "it", "type": "copies/f"}], "wires": [{"from": "c.time", "to": "it.t"}]})");
+  ASSERT_EQ(ugoki({"lsi", "build", source}).status, 0);
+  const Output o = ugoki({"circuit", "run", circuit, "--lsi", folder_ + "/copies.so", "--dt", "0.01", "--duration", "0.05", "--json"});
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_EQ(Json::parse(o.out)["ticks"], 5);  // one object: two would not parse
+}
 
 TEST_F(Slow_MisbehavingCliTest, EachIsNamedAndFails) {
   const std::string circuit =

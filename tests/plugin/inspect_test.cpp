@@ -47,6 +47,20 @@ TEST_F(InspectTest, StructsStateTheirNames) {
   EXPECT_EQ(file->writable, std::vector<std::string>{});
 }
 
+TEST_F(InspectTest, FurtherLibrariesAreListedBecauseTheHashDoesNotCoverThem) {
+  const std::string source = "double f(double x) { return x; }\n";
+  const Result<Inspection> alone = inspect_library(build("alone.c", source));
+  ASSERT_TRUE(alone) << alone.error().text();
+  EXPECT_EQ(alone->needed, std::vector<std::string>{});
+  EXPECT_EQ(alone->search_path, "");
+  const std::string compiler = write("compiler", "#!/bin/sh\nexec cc \"$@\" -Wl,--no-as-needed -lresolv -Wl,-rpath,/srv/helpers\n");
+  std::filesystem::permissions(compiler, std::filesystem::perms::owner_all);
+  const Result<Inspection> with = inspect_library(build("with.c", source, compiler));
+  ASSERT_TRUE(with) << with.error().text();
+  EXPECT_EQ(with->needed, std::vector<std::string>{"libresolv.so.2"});
+  EXPECT_EQ(with->search_path, "/srv/helpers");
+}
+
 TEST_F(InspectTest, ControlCharactersInNamesAreReplaced) {
   std::string text = bytes(build("names.c", "double abcdefgh(double x) { return x; }"));
   const auto at = text.find("lsi abcdefgh");

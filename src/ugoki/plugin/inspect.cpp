@@ -66,6 +66,39 @@ class Elf {
     return {};
   }
 
+  /// Calls visit(tag, text) for the entries DT_NEEDED, DT_RPATH and DT_RUNPATH. They are found as the dynamic linker finds them, by the
+  /// segments, because the table of sections need not agree with the segments.
+  template <class Visit>
+  void each_dynamic_text(Visit visit) const {
+    Elf64_Ehdr header;
+    if (!read(0, header)) return;
+    std::vector<Elf64_Phdr> segments(header.e_phentsize == sizeof(Elf64_Phdr) ? header.e_phnum : 0);
+    for (std::size_t i = 0; i < segments.size(); ++i)
+      if (!read(header.e_phoff + i * sizeof(Elf64_Phdr), segments[i])) return;
+    const auto offset_of = [&](Elf64_Addr address) {
+      for (const Elf64_Phdr& s : segments)
+        if (s.p_type == PT_LOAD && address >= s.p_vaddr && address - s.p_vaddr < s.p_filesz) return static_cast<std::size_t>(s.p_offset + (address - s.p_vaddr));
+      return bytes_.size();
+    };
+    for (const Elf64_Phdr& s : segments) {
+      if (s.p_type != PT_DYNAMIC) continue;
+      std::vector<Elf64_Dyn> entries;
+      std::size_t texts = bytes_.size();
+      for (std::size_t at = offset_of(s.p_vaddr);; at += sizeof(Elf64_Dyn)) {
+        Elf64_Dyn entry;
+        if (!read(at, entry) || entry.d_tag == DT_NULL) break;
+        if (entry.d_tag == DT_STRTAB) texts = offset_of(entry.d_un.d_ptr);
+        entries.push_back(entry);
+      }
+      for (const Elf64_Dyn& e : entries) {
+        if (e.d_tag != DT_NEEDED && e.d_tag != DT_RPATH && e.d_tag != DT_RUNPATH) continue;
+        const std::size_t at = texts + e.d_un.d_val;
+        if (texts >= bytes_.size() || e.d_un.d_val >= bytes_.size() - texts) continue;
+        visit(e.d_tag, bytes_.substr(at, bytes_.find('\0', at) - at));
+      }
+    }
+  }
+
   [[nodiscard]] const std::vector<Elf64_Shdr>& sections() const { return sections_; }
   [[nodiscard]] std::string_view name_of(const Elf64_Shdr& s) const { return text(names_, s.sh_name); }
   [[nodiscard]] std::string_view content_of(const Elf64_Shdr& s) const {
@@ -113,6 +146,14 @@ void read_manifest(std::string_view content, Inspection& out) {
   }
 }
 
+/// True for the libraries of C and C++ and of the sanitizers, which every program may load.
+bool is_standard(std::string_view library) {
+  for (const char* stem : {"libc.so", "libm.so", "libstdc++.so", "libgcc_s.so", "libpthread.so", "libdl.so", "librt.so", "ld-linux-x86-64.so",
+                           "libatomic.so", "libgomp.so", "libasan.so", "libubsan.so", "libtsan.so"})
+    if (library.starts_with(stem)) return true;
+  return false;
+}
+
 /// True for variables of the compiler, the C and C++ libraries and the LSI headers.
 bool is_foreign(std::string_view name) {
   if (name.empty() || name.starts_with("__") || name.starts_with("DW.ref.") || name.starts_with("completed.") ||
@@ -157,6 +198,10 @@ Result<Inspection> inspect_elf(std::string_view bytes, const std::string& locati
   if (!exports)
     return fail(ErrorCode::syntax, location, "The file is not a library of LSIs: it does not export ugoki_lsi_library.",
                 "Build it with: ugoki lsi build FILE.c");
+  elf.each_dynamic_text([&](Elf64_Sxword tag, std::string_view text) {
+    if (tag == DT_NEEDED && !is_standard(text) && out.needed.size() < max_names) out.needed.push_back(plain(text));
+    if (tag != DT_NEEDED) out.search_path += (out.search_path.empty() ? "" : ":") + plain(text);
+  });
   for (const Elf64_Shdr& s : elf.sections())
     if (elf.name_of(s) == ".ugoki.lsi") read_manifest(elf.content_of(s), out);
   elf.each_symbol(SHT_SYMTAB, [&](const Elf64_Sym& s, std::string_view name) {

@@ -16,6 +16,8 @@ struct Inspection {
   bool fmu = false;                   ///< the file is an FMU; the fields below are empty then
   std::string name;                   ///< name of the library; empty: the file does not state it
   std::vector<std::string> lsis;      ///< names of the LSIs; empty: the file does not state them
+  std::vector<std::string> needed;    ///< further libraries that are loaded with it, without those of C and C++; the hash does not cover them
+  std::string search_path;            ///< folders in which these are searched first (DT_RUNPATH, DT_RPATH); may be empty
   std::vector<std::string> writable;  ///< global and static variables that the code can change, sorted
 };
 
