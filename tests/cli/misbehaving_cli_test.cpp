@@ -44,7 +44,7 @@ TEST_F(SignalledCircuitTest, SignalToTheCommandEndsItsChild) {
   const std::string circuit = write("endless.json", R"({"version": 1, "name": "t", "lsis": [{"id": "c", "type": "clock"}]})");
   for (const int number : {SIGINT, SIGTERM, SIGKILL}) {
     ::signal(number, SIG_DFL);
-    const pid_t command = start_program({"circuit", "run", circuit, "--duration", "1e9"}, environment());
+    const pid_t command = start_program({"circuit", "run", circuit, "--duration", "1e9"}, {"UGOKI_LSI=" + folder_ + "/shelf"});
     for (int i = 0; i < 1000 && processes_with(circuit).size() < 2; ++i) ::usleep(10'000);
     ASSERT_EQ(processes_with(circuit).size(), 2u);
     ::usleep(200'000);  // us: the child has begun to count ticks; an earlier signal ends it too
