@@ -132,6 +132,17 @@ TEST_F(ReplacedProjectTest, RemovedLogRefusesEditsAndKeepsTheWork) {
   expect_rescued([&] { fs::remove(path_ + "-wal"); });
 }
 
+TEST_F(ReplacedProjectTest, EmptiedLogRefusesEditsAndKeepsTheWork) {
+  expect_rescued([&] { fs::resize_file(path_ + "-wal", 0); });
+}
+
+TEST_F(ReplacedProjectTest, LogOverwrittenInPlaceRefusesEditsAndKeepsTheWork) {
+  expect_rescued([&] {
+    std::fstream log(path_ + "-wal", std::ios::binary | std::ios::in | std::ios::out);
+    log << std::string(5000, 'x');
+  });
+}
+
 TEST_F(ReplacedProjectTest, ClosingAReplacedProjectKeepsTheWork) {
   const std::string other = make_other();
   std::string document;

@@ -5,6 +5,7 @@
 
 #include <ctime>
 #include <filesystem>
+#include <fstream>
 
 #include "ugoki/base/hash.h"
 
@@ -12,6 +13,11 @@ namespace ugoki::project {
 namespace {
 
 constexpr std::array<const char*, 3> suffixes = {"", "-wal", "-shm"};
+
+/// True if the header begins as that of a write-ahead log: 0x377f0682 or 0x377f0683, the most significant byte first.
+bool is_log(const std::array<unsigned char, 32>& header) {
+  return header[0] == 0x37 && header[1] == 0x7f && header[2] == 0x06 && (header[3] == 0x82 || header[3] == 0x83);
+}
 
 constexpr const char* tables = R"(
 CREATE TABLE property (
@@ -150,6 +156,7 @@ Result<void> ProjectFile::remember() {
   const std::filesystem::path real = std::filesystem::canonical(path(), unresolved);
   real_path_ = unresolved ? path() : real.string();
   for (std::size_t i = 0; i < suffixes.size(); ++i) identities_[i] = identity_of(real_path_ + suffixes[i]);
+  log_ = log_begin();
   if (database_.has_moved() || !merged_stamp_ || !stamp_)
     return fail(ErrorCode::conflict, path(), "Another program changed the file while it was opened.", "Open it again.");
   return {};
@@ -159,6 +166,18 @@ Result<std::optional<store::StampRow>> ProjectFile::stamp_in_file() {
   const Result<std::vector<std::byte>> page = database_.raw((stamp_page_ - 1) * page_size_, static_cast<std::size_t>(page_size_));
   if (!page) return fail(page.error());
   return store::stamp_on_page(*page);
+}
+
+ProjectFile::LogBegin ProjectFile::log_begin() const {
+  LogBegin out;
+  std::error_code missing;
+  const std::string log = real_path_ + suffixes[1];
+  const std::uintmax_t size = std::filesystem::file_size(log, missing);
+  out.size = missing ? 0 : size;
+  std::ifstream file(log, std::ios::binary);
+  file.read(reinterpret_cast<char*>(out.header.data()), static_cast<std::streamsize>(out.header.size()));
+  if (file.gcount() < static_cast<std::streamsize>(out.header.size())) out.header = {};
+  return out;
 }
 
 std::optional<Loss> ProjectFile::lost() {
@@ -172,7 +191,10 @@ std::optional<Loss> ProjectFile::lost() {
   // Another program that merges the log (the sqlite3 shell, for example) leaves the stamp of the last transaction in the file.
   const Result<std::optional<store::StampRow>> stamp = stamp_in_file();
   if (!stamp) return std::nullopt;  // the disk fails; this is not the work of another program
-  if (*stamp && (*stamp == merged_stamp_ || *stamp == stamp_)) return std::nullopt;
+  if (*stamp && *stamp == stamp_) return std::nullopt;  // the file contains all transactions
+  if (const LogBegin log = log_begin(); !log_.continues_in(log) || !is_log(log.header))
+    return Loss{"Another program changed " + real_path_ + suffixes[1] + " while the project was open", false};
+  if (*stamp && *stamp == merged_stamp_) return std::nullopt;
   return Loss{"Another program wrote to the project file while it was open", false};
 }
 
@@ -193,6 +215,7 @@ Result<void> ProjectFile::write(const std::function<Result<void>()>& work) {
   if (Result<void> done = transaction->commit(); !done) return done;
   stamp_ = *stamp;
   if (page_size_ == 0) return {};
+  log_ = log_begin();
   // The commit may have merged the log, or a part of it if another program reads the file. Another stamp is not accepted: lost() reports it.
   const Result<std::optional<store::StampRow>> merged = stamp_in_file();
   if (!merged || !*merged || *merged == merged_stamp_) return {};
