@@ -22,8 +22,6 @@ void invert(const double* S, double* out) {
   out[5] = (d * e - a * f) * scale;
 }
 
-constexpr std::size_t crowd = 256;  // blocks in a step above which the coarse tolerance and half the sweeps are used
-
 }  // namespace
 
 void VelocitySolver::set_systems(std::span<const int> first) {
@@ -277,13 +275,14 @@ bool VelocitySolver::solve_densely(const Island& island, const SolverOptions& op
   return result.converged;
 }
 
-/// @param crowded whether the step has more than `crowd` blocks
 /// @return whether the last sweep changed no velocity by more than the tolerance, or than DenseIsland::accepted_residual
-bool VelocitySolver::solve_island(const Island& island, const SolverOptions& options, bool crowded, SolverReport& report) {
+bool VelocitySolver::solve_island(const Island& island, const SolverOptions& options, SolverReport& report) {
   constexpr int round = 12;      // sweeps between two checks of the convergence rate
   constexpr int max_rounds = 6;  // rounds up to which sweeping is cheaper than Newton's method
   constexpr double max_operations = 1e6;  // floating-point operations: bounds the cost of Newton's method for one island in one step
+  constexpr int crowd = 256;  // blocks above which the coarse tolerance and half the sweeps are used
   budget_ = max_operations;
+  const bool crowded = island.blocks > crowd;
   const int maximum = crowded ? options.iterations / 2 : options.iterations;
   double tolerance = crowded ? std::max(options.coarse, options.tolerance) : options.tolerance;
   if (!crowded && solve_densely(island, options, tolerance, report)) return true;
@@ -353,10 +352,10 @@ SolverReport VelocitySolver::solve_again(const SolverOptions& options, std::size
     ++report.islands;
     if (threads)
       to_solve_.push_back(static_cast<int>(&island - islands_.data()));
-    else if (!solve_island(island, options, blocks_.size() > crowd, report))
+    else if (!solve_island(island, options, report))
       failed_[static_cast<std::size_t>(members.front())] = 1;
   }
-  if (threads) solve_on_threads(options, blocks_.size() > crowd, report);
+  if (threads) solve_on_threads(options, report);
   report.not_converged = static_cast<int>(std::ranges::count(failed_, char{1}));
   return report;
 }
