@@ -109,7 +109,7 @@ int run_page(content::Player player, std::string page, const Options& o) {
   const std::string address = (*server)->address();
   std::unique_ptr<player_native::OscReceiver> osc;
   if (o.osc >= 0) {
-    constexpr studio::ClientId osc_client = -1;  // not the id of any page
+    constexpr auto osc_client = static_cast<studio::ClientId>(-1);  // not the id of any page
     auto listening = player_native::OscReceiver::listen(static_cast<std::uint16_t>(o.osc), [&session](std::string message) {
       session.on_message(osc_client, std::move(message), [] {});
     });

@@ -43,6 +43,7 @@ std::vector<std::byte> walkers(int count) {
   for (int k = 0; k < count; ++k) {
     s.characters.push_back(human);
     s.characters.back().id = "human" + std::to_string(k);
+    s.characters.back().track.front().id = "clip" + std::to_string(k);
     s.characters.back().place.x = 2.0 * (k / 10);
     s.characters.back().place.y = 1.5 * (k % 10);
   }
@@ -166,16 +167,17 @@ void tracked_characters(Table& table) {
   const auto single = time_of(one, steps), serial = time_of(alone, steps), parallel = time_of(many, steps);
   if (alone.state_hash() != many.state_hash()) throw std::runtime_error("one and two threads give different states");
   const double memory = static_cast<double>(after.uordblks + after.hblkhd - before.uordblks - before.hblkhd) / 100;
-  char note[240];
+  char note[320];
   std::snprintf(note, sizeof note,
-                "real time x %.2f; one character %.1f us, of 100 on one thread %.1f us (x %.2f), on two threads %.1f us (processor %.1f us); %.0f kB each",
+                "real time x %.2f; us a character: alone %.1f, of 100 on one thread %.1f (x %.2f), on two threads %.1f; processor time: "
+                "%.1f, %.1f (x %.2f), %.1f; %.0f kB a character",
                 dt / parallel.first, 1e6 * single.first, 1e4 * serial.first, serial.first / single.first / 100, 1e4 * parallel.first,
-                1e4 * parallel.second, memory / 1000);
+                1e6 * single.second, 1e4 * serial.second, serial.second / single.second / 100, 1e4 * parallel.second, memory / 1000);
   table.add({.row = name,
              .ours_ns = 1e9 * parallel.first,
              .peer = {},
              .per = 100,
-             .extra = {{"one_ns", 1e9 * single.first}, {"one_thread_ns", 1e9 * serial.first}, {"memory_bytes", memory}},
+             .extra = {{"one_ns", 1e9 * single.first}, {"one_thread_ns", 1e9 * serial.first}, {"one_processor_ns", 1e9 * single.second}, {"one_thread_processor_ns", 1e9 * serial.second}, {"memory_bytes", memory}},
              .note = note});
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "allocation_count.h"
 #include "small_worlds.h"
 #include "ugoki/plugin/thread_pool.h"
@@ -20,10 +22,10 @@ TEST(World, RestoredStateContinuesWithSameBits) {
   WorldStepper a(world), b(world);
   WorldState now = make_state(world, 3);
   a.load(now);
-  run(a, 150);
+  run(a, 400);
   a.store(now);
   ASSERT_TRUE(now.is_complete());
-  ASSERT_FALSE(a.contacts().empty());
+  ASSERT_TRUE(std::ranges::any_of(a.forces(), [](const Vec3& f) { return norm(f) > 1; }));
   const WorldState saved = now;
   run(a, 150);
   a.store(now);

@@ -22,8 +22,6 @@ void invert(const double* S, double* out) {
   out[5] = (d * e - a * f) * scale;
 }
 
-constexpr std::size_t crowd = 256;  // number of blocks in a step above which the coarse tolerance and half the sweeps are used
-
 }  // namespace
 
 void VelocitySolver::set_systems(std::span<const int> first) {
@@ -277,12 +275,13 @@ bool VelocitySolver::solve_densely(const Island& island, const SolverOptions& op
   return result.converged;
 }
 
-/// @param crowded whether the step has more than `crowd` blocks
 /// @return true if the last sweep changed every velocity by less than the tolerance, or by less than DenseIsland::accepted_residual
-bool VelocitySolver::solve_island(const Island& island, const SolverOptions& options, bool crowded, SolverReport& report) {
+bool VelocitySolver::solve_island(const Island& island, const SolverOptions& options, SolverReport& report) {
   constexpr int round = 12;      // sweeps between two checks of the convergence rate
   constexpr int max_rounds = 6;  // rounds up to which sweeping is cheaper than Newton's method
+  constexpr int crowd = 256;     // number of blocks of an island above which the coarse tolerance and half the sweeps are used
   budget_ = island_budget_;
+  const bool crowded = island.blocks > crowd;
   const int maximum = crowded ? options.iterations / 2 : options.iterations;
   double tolerance = crowded ? std::max(options.coarse, options.tolerance) : options.tolerance;
   if (!crowded && solve_densely(island, options, tolerance, report)) return true;
@@ -356,10 +355,10 @@ SolverReport VelocitySolver::solve_again(const SolverOptions& options, std::size
       to_solve_.push_back(static_cast<int>(&island - islands_.data()));
       continue;
     }
-    if (!solve_island(island, options, blocks_.size() > crowd, report)) failed_[static_cast<std::size_t>(members.front())] = 1;
+    if (!solve_island(island, options, report)) failed_[static_cast<std::size_t>(members.front())] = 1;
     newton_left_ -= island_budget_ - budget_;
   }
-  if (threads) solve_on_threads(options, blocks_.size() > crowd, report);
+  if (threads) solve_on_threads(options, report);
   report.not_converged = static_cast<int>(std::ranges::count(failed_, char{1}));
   return report;
 }

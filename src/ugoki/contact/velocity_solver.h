@@ -32,7 +32,7 @@ namespace ugoki::contact {
 struct SolverOptions {
   int iterations = 60;      ///< maximum number of sweeps over an island
   double tolerance = 1e-7;  ///< m/s: an island has converged when no velocity changes by more in a sweep
-  double coarse = 0.05;  ///< m/s: tolerance of steps of more than 256 blocks; a fifth of it where Newton's method is too expensive
+  double coarse = 0.05;  ///< m/s: tolerance of islands of more than 256 blocks; a fifth of it where Newton's method is too expensive
   double softness = 1e-4;  ///< minimum of RowBlock::softness for contacts; redundant contacts then share their load
   int max_dense_rows = DenseIsland::max_rows;  ///< islands of more rows are solved without method 1
 };
@@ -119,8 +119,8 @@ class VelocitySolver {
   void find_islands();
   void copy_island(const VelocitySolver& from, const Island& island);
   void copy_solution_to(VelocitySolver& to, const Island& island) const;
-  void solve_on_threads(const SolverOptions& options, bool crowded, SolverReport& report);
-  bool solve_island(const Island& island, const SolverOptions& options, bool crowded, SolverReport& report);
+  void solve_on_threads(const SolverOptions& options, SolverReport& report);
+  bool solve_island(const Island& island, const SolverOptions& options, SolverReport& report);
   bool solve_densely(const Island& island, const SolverOptions& options, double tolerance, SolverReport& report);
 
   // Newton's method, in velocity_newton.cpp

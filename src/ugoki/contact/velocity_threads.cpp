@@ -78,7 +78,7 @@ void VelocitySolver::copy_solution_to(VelocitySolver& to, const Island& island) 
 }
 
 /// Solves the islands in to_solve_ on all threads. One thread solves a whole island, so results do not depend on the number of threads.
-void VelocitySolver::solve_on_threads(const SolverOptions& options, bool crowded, SolverReport& report) {
+void VelocitySolver::solve_on_threads(const SolverOptions& options, SolverReport& report) {
   for (const auto& w : workers_) {
     w->report = {};
     w->solver.island_budget_ = island_budget_;
@@ -88,7 +88,7 @@ void VelocitySolver::solve_on_threads(const SolverOptions& options, bool crowded
     Worker& w = *workers_[static_cast<std::size_t>(worker)];
     const Island& island = islands_[static_cast<std::size_t>(to_solve_[k])];
     w.solver.copy_island(*this, island);
-    const bool solved = w.solver.solve_island({0, island.blocks, 0, island.systems}, options, crowded, w.report);
+    const bool solved = w.solver.solve_island({0, island.blocks, 0, island.systems}, options, w.report);
     if (!solved) failed_[static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system)])] = 1;
     w.solver.copy_solution_to(*this, island);
     used_[k] = island_budget_ - w.solver.budget_;

@@ -203,7 +203,8 @@ void add_dynamics(circuit::Library& library) {
   c.doc =
       "General-purpose dynamics: advances every character by one step under torques, gravity, contact, friction, joint limits, pushes and "
       "pulls. If bodies would penetrate each other by more than 0.4 mm at the end of a step, the step is solved again with additional "
-      "contacts. With at most 256 contacts and limits, their conditions are solved to rounding; with more, to 0.1 mm per step.";
+      "contacts. In groups of touching bodies with at most 256 contacts and limits, their conditions are solved to rounding; with more, to 0.1 mm "
+      "per step.";
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
               input_pin("contacts", PinTypeId::contacts, "", "Contact points now."),
               input_pin("events", PinTypeId::event, "", "Pushes and pulls."),
