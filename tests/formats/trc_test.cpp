@@ -73,7 +73,6 @@ TEST(Trc, BrokenFilesAreRejectedAtTheirLine) {
         {"truncated header", good.substr(0, 60), 2},
         {"no rate", with("50\t50\t2", "fast\t50\t2"), 3},
         {"rate nan", with("50\t50\t2", "nan\t50\t2"), 3},
-        {"a marker without a name", with("\t2\t2\tmm", "\t2\t3\tmm").replace(good.find("4\t20\t300\n"), 8, "4\t20\t300\t1\t2\t3"), 7},
         {"no names", with("Frame#\tTime\tHead\t\t\tHeel\t\t", "Frame#\tTime"), 4},
         {"not a number", with("1700\t3", "high\t3"), 7},
         {"infinite", with("1700\t3", "inf\t3"), 7},
@@ -102,6 +101,15 @@ TEST(Trc, ColumnsDecideHowManyMarkersThereAre) {
     EXPECT_FALSE(columns && m->seen(0, 3));
     expect_near(m->at(0, 0), {0.003, 0.001, 1.7}, 1e-12, "first marker");
   }
+}
+
+TEST(Trc, TrajectoriesWithoutNameAreUnlabelledMarkers) {
+  std::string text = with("\t2\t2\tmm", "\t2\t3\tmm");
+  for (const char* row : {"\t300\n", "\t300.5\n"}) text.insert(text.find('\n', text.find(row)), "\t100\t200\t300");
+  const auto m = read_trc(text, "walk.trc");
+  ASSERT_TRUE(m.has_value()) << text_of(m.error());
+  EXPECT_EQ(m->labels, (std::vector<std::string>{"Head", "Heel", "*2"}));
+  expect_near(m->at(1, 2), {0.3, 0.1, 0.2}, 1e-12, "unlabelled marker");
 }
 
 TEST(Trc, AHeaderAlignedByBlanksIsRead) {

@@ -171,12 +171,23 @@ class Reader {
   bool check_count(MarkerMotion& motion, std::string_view row) {
     const auto named = static_cast<long>(motion.labels.size());
     if (declared_markers_ < 0 || declared_markers_ == named) return true;
-    std::vector<std::string_view> columns = columns_of(row, separator_);
-    while (!columns.empty() && columns.back().empty()) columns.pop_back();
-    const auto count = (static_cast<long>(columns.size()) - 2 + 2) / 3;  // markers that have a column
+    const auto filled_columns = [&](std::string_view line) {
+      if (line.starts_with(separator_)) line.remove_prefix(1);
+      std::vector<std::string_view> columns = columns_of(line, separator_);
+      while (!columns.empty() && columns.back().empty()) columns.pop_back();
+      return static_cast<long>(columns.size());
+    };
+    long filled = filled_columns(row);
+    std::string_view line;
+    for (Lines rest = lines_; rest.next(line);) filled = std::max(filled, filled_columns(line));
+    const long count = filled / 3;  // markers that have a column, beside frame number and time
     const bool padded = static_cast<long>(columns_of(row, separator_).size()) >= 2 + 3 * named;
     if (count == declared_markers_ && declared_markers_ < named && !padded) {
       motion.labels.resize(static_cast<std::size_t>(declared_markers_));
+    } else if (declared_markers_ > named && count > named) {
+      // Unlabelled trajectories behind the named ones.
+      const auto all = static_cast<std::size_t>(count);
+      while (motion.labels.size() < all) motion.labels.push_back("*" + std::to_string(motion.labels.size()));
     } else if (!(count == named || (padded && count <= named))) {
       return refuse(ErrorCode::structure,
                     "NumMarkers is " + std::to_string(declared_markers_) + ", but " + std::to_string(named) +
