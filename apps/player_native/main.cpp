@@ -109,10 +109,9 @@ int run_page(content::Player player, std::string page, const Options& o) {
   const std::string address = (*server)->address();
   std::unique_ptr<player_native::OscReceiver> osc;
   if (o.osc >= 0) {
-    constexpr studio::ClientId osc_client = -1;  // no page has this number
-    auto listening = player_native::OscReceiver::listen(static_cast<std::uint16_t>(o.osc), [&session](std::string message) {
-      session.on_message(osc_client, std::move(message), [] {});
-    });
+    constexpr studio::ClientId osc_client = UINT64_MAX;  // no page has this number
+    auto listening = player_native::OscReceiver::listen(
+        static_cast<std::uint16_t>(o.osc), [&session](std::string message) { session.on_message(osc_client, std::move(message), [] {}); });
     if (!listening) return print_error(listening.error(), o.as_json);
     osc = std::move(*listening);
   }

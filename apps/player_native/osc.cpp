@@ -25,8 +25,8 @@ namespace {
 
 using json::Json;
 
-constexpr int max_depth = 8;            // bundles inside bundles
-constexpr std::size_t max_keys = 256;   // keys pressed at the same time; more than any keyboard has
+constexpr int max_depth = 8;           // bundles inside bundles
+constexpr std::size_t max_keys = 256;  // keys pressed at the same time; more than any keyboard has
 
 std::unexpected<Error> malformed(const char* what) {
   return fail(ErrorCode::syntax, "OSC packet", what, "Send messages of OSC 1.0; docs/export.md lists the addresses.");
@@ -94,8 +94,8 @@ Result<void> apply_message(std::string_view address, const std::vector<double>& 
     return std::string(address.substr(prefix.size()));
   };
   const auto unknown = [&] {
-    return fail(ErrorCode::unknown, "OSC message " + std::string(address.substr(0, 80)), "There is no such address, or the number of arguments is wrong.",
-                "docs/export.md lists the addresses.");
+    return fail(ErrorCode::unknown, "OSC message " + std::string(address.substr(0, 80)),
+                "There is no such address, or the number of arguments is wrong.", "docs/export.md lists the addresses.");
   };
   if (address == "/ugoki/mouse" && values.size() == 2) {
     state.mouse.x = std::clamp(values[0], 0.0, 1.0);
@@ -111,10 +111,14 @@ Result<void> apply_message(std::string_view address, const std::vector<double>& 
     if (value == 0 && pressed) state.keys.erase(at);
     return {};
   }
-  if (address == "/ugoki/mouse/left") state.mouse.left = value != 0;
-  else if (address == "/ugoki/mouse/middle") state.mouse.middle = value != 0;
-  else if (address == "/ugoki/mouse/right") state.mouse.right = value != 0;
-  else if (address == "/ugoki/mouse/wheel") state.mouse.wheel += std::clamp(value, -100.0, 100.0);
+  if (address == "/ugoki/mouse/left")
+    state.mouse.left = value != 0;
+  else if (address == "/ugoki/mouse/middle")
+    state.mouse.middle = value != 0;
+  else if (address == "/ugoki/mouse/right")
+    state.mouse.right = value != 0;
+  else if (address == "/ugoki/mouse/wheel")
+    state.mouse.wheel += std::clamp(value, -100.0, 100.0);
   else {
     const auto pad_text = after("/ugoki/gamepad/");
     if (!pad_text) return unknown();
@@ -157,12 +161,14 @@ Result<void> apply_part(std::span<const std::byte> packet, circuit::DeviceState&
 /// The state as the fields of an input message. @param wheel notches since the last message
 std::string input_json(const circuit::DeviceState& state, double wheel) {
   Json gamepads = Json::array();
-  for (const circuit::GamepadState& g : state.gamepads) gamepads.push_back(g == circuit::GamepadState{} ? Json(nullptr) : Json{{"axes", g.axes}, {"buttons", g.buttons}});
+  for (const circuit::GamepadState& g : state.gamepads)
+    gamepads.push_back(g == circuit::GamepadState{} ? Json(nullptr) : Json{{"axes", g.axes}, {"buttons", g.buttons}});
   const circuit::MouseState& m = state.mouse;
-  return json::to_text(Json{{"op", "input"},
-                            {"keyboard", state.keys},
-                            {"mouse", {{"x", m.x}, {"y", m.y}, {"left", m.left}, {"middle", m.middle}, {"right", m.right}, {"wheel", wheel}}},
-                            {"gamepads", std::move(gamepads)}});
+  return json::to_text(
+      Json{{"op", "input"},
+           {"keyboard", state.keys},
+           {"mouse", {{"x", m.x}, {"y", m.y}, {"left", m.left}, {"middle", m.middle}, {"right", m.right}, {"wheel", wheel}}},
+           {"gamepads", std::move(gamepads)}});
 }
 
 }  // namespace

@@ -13,8 +13,8 @@
 
 namespace ugoki::player_native {
 
-/// Applies the messages of one packet to the state of the devices. Addresses, each with one number unless stated otherwise (types i, f, d, h,
-/// T, F):
+/// Applies the messages of one packet to the state of the devices. Addresses, each with one number unless stated otherwise (types i, f, d,
+/// h, T, F):
 ///   /ugoki/key/CODE                 0 releases the key, other numbers press it; CODE is a KeyboardEvent.code, for example KeyW
 ///   /ugoki/mouse                    x and y, 0 ... 1
 ///   /ugoki/mouse/left, middle, right   0 or 1

@@ -33,8 +33,9 @@ struct Options {
   double take_rate = 0, duration = 0;
   bool json = false;
 
-  [[nodiscard]] bool wants_take() const { return !glb.empty() || !usda.empty() || !csv.empty() || !mjcf.empty() || !urdf.empty() || !fbx.empty() ||
-                                          !abc.empty(); }
+  [[nodiscard]] bool wants_take() const {
+    return !glb.empty() || !usda.empty() || !csv.empty() || !mjcf.empty() || !urdf.empty() || !fbx.empty() || !abc.empty();
+  }
   [[nodiscard]] bool wants_page() const { return !html.empty() || !native.empty() || !embed.empty() || pictures.any(); }
 };
 
@@ -130,12 +131,14 @@ Result<publish::Take> run_take(const Options& o, std::span<const std::byte> ugx,
 }
 
 /// Writes the mechanism of one character with its motion as MJCF or URDF.
-Result<void> write_robot(const publish::Take& take, const Options& o, const char* kind, const std::string& path, std::vector<Written>& report) {
+Result<void> write_robot(const publish::Take& take, const Options& o, const char* kind, const std::string& path,
+                         std::vector<Written>& report) {
   const auto chosen = std::ranges::find_if(take.characters, [&](const publish::TakeCharacter& c) {
     return o.character.empty() ? c.links() > 0 : c.id == o.character || c.name == o.character;
   });
   if (chosen == take.characters.end())
-    return fail(ErrorCode::unknown, "--character " + o.character, "The content has no such character.", "`ugoki info` lists the characters.");
+    return fail(ErrorCode::unknown, "--character " + o.character, "The content has no such character.",
+                "`ugoki info` lists the characters.");
   const fs::path file = path;
   const robot_formats::RobotMotion motion{take.rate, chosen->q};
   const robot_formats::RobotText text = std::string_view(kind) == "mjcf"
@@ -271,11 +274,14 @@ void add_export_verb(CLI::App& app, Action& action) {
   file("--usda", o->usda, "USD as text: UsdSkel, materials, camera")->group("Other tools");
   file("--csv", o->csv, "Table of all link poses")->group("Other tools");
   file("--fbx", o->fbx, "FBX, *.fbx, written by Blender")->group("Other tools")->check(CLI::Validator(has_ending(".fbx"), "*.fbx"));
-  file("--abc", o->abc, "Alembic, *.abc, written by a Blender that has it")->group("Other tools")->check(CLI::Validator(has_ending(".abc"), "*.abc"));
+  file("--abc", o->abc, "Alembic, *.abc, written by a Blender that has it")
+      ->group("Other tools")
+      ->check(CLI::Validator(has_ending(".abc"), "*.abc"));
   verb->add_option("--blender", o->blender, "Blender (default: found on the path)")->group("Other tools");
   file("--mjcf", o->mjcf, "MuJoCo: mechanism of one character, its motion as keyframes")->group("Other tools");
   file("--urdf", o->urdf, "URDF: mechanism of one character, its motion as a table beside it")->group("Other tools");
-  verb->add_option("--character", o->character, "Character for --mjcf and --urdf: id or name (default: the first one)")->group("Other tools");
+  verb->add_option("--character", o->character, "Character for --mjcf and --urdf: id or name (default: the first one)")
+      ->group("Other tools");
   verb->add_option("--rate", o->take_rate, "Frames per second of pictures and animations (default: that of the content)")
       ->check(CLI::Range(1.0, 1000.0));
   verb->add_option("--duration", o->duration, "Time at which pictures and animations end, s (default: the end)")

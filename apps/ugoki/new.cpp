@@ -19,8 +19,8 @@ struct Options {
   bool empty = false, json = false;
 };
 
-/// Content of a JSON file: {"scenario": {...}, "mechanisms": {ID: {...}}, "circuit": {...}}. Each part is a document of its own (docs/scenario.md,
-/// docs/mechanisms.md, docs/circuit.md); the circuit may be left out.
+/// Content of a JSON file: {"scenario": {...}, "mechanisms": {ID: {...}}, "circuit": {...}}. Each part is a document of its own
+/// (docs/scenario.md, docs/mechanisms.md, docs/circuit.md); the circuit may be left out.
 Result<void> read_content_file(const std::string& path, content::Scenario& scenario, content::Resources& resources) {
   const Result<std::string> text = files::read_file(path);
   if (!text) return fail(text.error());
@@ -46,7 +46,8 @@ int run_new(const Options& options) {
   content::Scenario scenario;
   content::Resources resources;
   if (!options.from.empty()) {
-    if (const Result<void> done = read_content_file(options.from, scenario, resources); !done) return print_error(done.error(), options.json);
+    if (const Result<void> done = read_content_file(options.from, scenario, resources); !done)
+      return print_error(done.error(), options.json);
   } else if (!options.empty) {
     samples::Sample sample = samples::make_sample();
     Result<content::Scenario> document = content::read_scenario(sample.document, "sample");

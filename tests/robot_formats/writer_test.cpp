@@ -340,8 +340,8 @@ std::vector<double> random_motion(const Mechanism& m, int frames, unsigned seed)
   return out;
 }
 
-const std::vector<JointType> all_joint_types = {JointType::revolute, JointType::prismatic, JointType::spherical, JointType::planar,
-                                                JointType::universal, JointType::cylindrical, JointType::helical, JointType::fixed};
+const std::vector<JointType> all_joint_types = {JointType::revolute,  JointType::prismatic,   JointType::spherical, JointType::planar,
+                                                JointType::universal, JointType::cylindrical, JointType::helical,   JointType::fixed};
 
 /// The table beside a URDF gives the joints their positions: the poses of its links, computed from the table, are those of the motion.
 TEST(UrdfWriter, MotionGivesThePosesOfTheLinks) {

@@ -41,8 +41,8 @@ constexpr double too_deep = 1e-3;  // m: if a deeper overlap is left after all p
 
 // Limits of the work in one step, so that absurd content (bodies of 1e-9 kg m^2 that are hit by 1e5 N) takes 0.1 s for a step, not seconds.
 // A step that is not split needs at most GuardOptions::passes times 1e6 operations, so the first limit affects only split steps.
-constexpr double max_newton_operations = 2e7;       // estimated floating-point operations of Newton's method
-constexpr std::int64_t max_distances = 40'000;      // distances that are measured to find passages; the same for contacts of fast bodies
+constexpr double max_newton_operations = 2e7;         // estimated floating-point operations of Newton's method
+constexpr std::int64_t max_distances = 40'000;        // distances that are measured to find passages; the same for contacts of fast bodies
 constexpr std::int64_t max_distances_of_shape = 500;  // additional distances for each shape of the scene
 
 // Fields of ContactPoint::key. collision::find_contacts() uses feature indices below first_feature.

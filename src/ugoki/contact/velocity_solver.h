@@ -30,8 +30,8 @@ namespace ugoki::contact {
 struct SolverOptions {
   int iterations = 60;      ///< maximum number of sweeps over an island
   double tolerance = 1e-7;  ///< m/s: an island has converged when no velocity changes by more in a sweep
-  double coarse = 0.05;  ///< m/s: tolerance of steps of more than 256 blocks; a fifth of it where Newton's method is too expensive
-  double softness = 1e-4;  ///< minimum of RowBlock::softness for contacts; redundant contacts then share their load
+  double coarse = 0.05;     ///< m/s: tolerance of steps of more than 256 blocks; a fifth of it where Newton's method is too expensive
+  double softness = 1e-4;   ///< minimum of RowBlock::softness for contacts; redundant contacts then share their load
   int max_dense_rows = DenseIsland::max_rows;  ///< islands of more rows are solved without method 1
 };
 
@@ -140,8 +140,8 @@ class VelocitySolver {
 
   // Newton's method (symbols: velocity_newton.cpp)
   double regularization_ = 0;                                   // R relative to a block's inverse inertia
-  double budget_ = 0, cost_ = 0;  // floating-point operations: left for this call, needed by one Newton step
-  double newton_left_ = HUGE_VAL;  // floating-point operations: left until the next limit_newton()
+  double budget_ = 0, cost_ = 0;                                // floating-point operations: left for this call, needed by one Newton step
+  double newton_left_ = HUGE_VAL;                               // floating-point operations: left until the next limit_newton()
   std::vector<int> local_;                                      // [systems] first row of the system in H_
   std::vector<int> lowest_;                                     // [n] first column of each row in the envelope of H_
   std::vector<std::size_t> start_;                              // [n] index in H_ of the first stored entry of each row (column lowest_)
