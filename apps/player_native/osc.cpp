@@ -94,8 +94,8 @@ Result<void> apply_message(std::string_view address, const std::vector<double>& 
     return std::string(address.substr(prefix.size()));
   };
   const auto unknown = [&] {
-    return fail(ErrorCode::unknown, "OSC message " + std::string(address.substr(0, 80)), "There is no such address, or the number of arguments is wrong.",
-                "docs/export.md lists the addresses.");
+    return fail(ErrorCode::unknown, "OSC message " + std::string(address.substr(0, 80)),
+                "There is no such address, or the number of arguments is wrong.", "docs/export.md lists the addresses.");
   };
   if (address == "/ugoki/mouse" && values.size() == 2) {
     state.mouse.x = std::clamp(values[0], 0.0, 1.0);
@@ -111,10 +111,14 @@ Result<void> apply_message(std::string_view address, const std::vector<double>& 
     if (value == 0 && pressed) state.keys.erase(at);
     return {};
   }
-  if (address == "/ugoki/mouse/left") state.mouse.left = value != 0;
-  else if (address == "/ugoki/mouse/middle") state.mouse.middle = value != 0;
-  else if (address == "/ugoki/mouse/right") state.mouse.right = value != 0;
-  else if (address == "/ugoki/mouse/wheel") state.mouse.wheel += std::clamp(value, -100.0, 100.0);
+  if (address == "/ugoki/mouse/left")
+    state.mouse.left = value != 0;
+  else if (address == "/ugoki/mouse/middle")
+    state.mouse.middle = value != 0;
+  else if (address == "/ugoki/mouse/right")
+    state.mouse.right = value != 0;
+  else if (address == "/ugoki/mouse/wheel")
+    state.mouse.wheel += std::clamp(value, -100.0, 100.0);
   else {
     const auto pad_text = after("/ugoki/gamepad/");
     if (!pad_text) return unknown();
@@ -157,12 +161,14 @@ Result<void> apply_part(std::span<const std::byte> packet, circuit::DeviceState&
 /// Returns the state as the JSON message `input` of a page. @param wheel turns of the mouse wheel since the last message, notches
 std::string input_json(const circuit::DeviceState& state, double wheel) {
   Json gamepads = Json::array();
-  for (const circuit::GamepadState& g : state.gamepads) gamepads.push_back(g == circuit::GamepadState{} ? Json(nullptr) : Json{{"axes", g.axes}, {"buttons", g.buttons}});
+  for (const circuit::GamepadState& g : state.gamepads)
+    gamepads.push_back(g == circuit::GamepadState{} ? Json(nullptr) : Json{{"axes", g.axes}, {"buttons", g.buttons}});
   const circuit::MouseState& m = state.mouse;
-  return json::to_text(Json{{"op", "input"},
-                            {"keyboard", state.keys},
-                            {"mouse", {{"x", m.x}, {"y", m.y}, {"left", m.left}, {"middle", m.middle}, {"right", m.right}, {"wheel", wheel}}},
-                            {"gamepads", std::move(gamepads)}});
+  return json::to_text(
+      Json{{"op", "input"},
+           {"keyboard", state.keys},
+           {"mouse", {{"x", m.x}, {"y", m.y}, {"left", m.left}, {"middle", m.middle}, {"right", m.right}, {"wheel", wheel}}},
+           {"gamepads", std::move(gamepads)}});
 }
 
 }  // namespace

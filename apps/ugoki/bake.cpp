@@ -331,8 +331,8 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
   progress.clear();
   if (failure) return print_error(*failure, o.json);
   if (interrupted()) {
-    print_line(std::to_string(mine - open.size() + added) + " of " + std::to_string(mine) + " runs are in " + store::without_password(o.table) +
-               ". The same command continues.");
+    print_line(std::to_string(mine - open.size() + added) + " of " + std::to_string(mine) + " runs are in " +
+               store::without_password(o.table) + ". The same command continues.");
     return print_error(interrupted_error(), o.json);
   }
   if (!o.csv.empty()) {
@@ -398,7 +398,8 @@ void add_bake_verb(CLI::App& app, Action& action) {
   auto merges = std::make_shared<std::vector<std::string>>();
   CLI::App* verb = app.add_subcommand("bake", "Run many variations of content on all cores and keep the results in a table.");
   verb->add_option("targets", o->targets, "Projects, motion files or motions of the library");
-  verb->add_option("--table", o->table, "Table of the results: an SQLite file, or postgresql://user@host/database; an existing table is continued")
+  verb->add_option("--table", o->table,
+                   "Table of the results: an SQLite file, or postgresql://user@host/database; an existing table is continued")
       ->type_name("FILE");
   verb->add_option("--name", o->name, "Name of the sweep in a PostgreSQL database");
   add_plot_verb(*verb, action);

@@ -109,7 +109,6 @@ bool Child::wait() {
   return pid_ < 0 && status_ == 0;
 }
 
-
 Scratch::~Scratch() {
   std::error_code ec;
   if (!folder.empty()) fs::remove_all(folder, ec);

@@ -33,8 +33,9 @@ struct Options {
   double take_rate = 0, duration = 0;
   bool json = false;
 
-  [[nodiscard]] bool wants_take() const { return !glb.empty() || !usda.empty() || !csv.empty() || !mjcf.empty() || !urdf.empty() || !fbx.empty() ||
-                                          !abc.empty(); }
+  [[nodiscard]] bool wants_take() const {
+    return !glb.empty() || !usda.empty() || !csv.empty() || !mjcf.empty() || !urdf.empty() || !fbx.empty() || !abc.empty();
+  }
   [[nodiscard]] bool wants_page() const { return !html.empty() || !native.empty() || !embed.empty() || pictures.any(); }
 };
 
@@ -135,7 +136,8 @@ Result<void> write_robot(const publish::Take& take, const Options& o, const char
     return o.character.empty() ? c.links() > 0 : c.id == o.character || c.name == o.character;
   });
   if (chosen == take.characters.end())
-    return fail(ErrorCode::unknown, "--character " + o.character, "The content has no such character.", "`ugoki info` lists the characters.");
+    return fail(ErrorCode::unknown, "--character " + o.character, "The content has no such character.",
+                "`ugoki info` lists the characters.");
   const fs::path file = path;
   const robot_formats::RobotMotion motion{take.rate, chosen->q};
   const robot_formats::RobotText text = std::string_view(kind) == "mjcf"
@@ -275,7 +277,8 @@ void add_export_verb(CLI::App& app, Action& action) {
   verb->add_option("--blender", o->blender, "Blender (default: found on the path)")->group("Other tools");
   file("--mjcf", o->mjcf, "MuJoCo: mechanism of one character, its motion as keyframes")->group("Other tools");
   file("--urdf", o->urdf, "URDF: mechanism of one character, its motion as a table beside it")->group("Other tools");
-  verb->add_option("--character", o->character, "Character for --mjcf and --urdf: id or name (default: the first one)")->group("Other tools");
+  verb->add_option("--character", o->character, "Character for --mjcf and --urdf: id or name (default: the first one)")
+      ->group("Other tools");
   verb->add_option("--rate", o->take_rate, "Frames per second of pictures and animations (default: that of the content)")
       ->check(CLI::Range(1.0, 1000.0));
   verb->add_option("--duration", o->duration, "Time at which pictures and animations end, s (default: the end)")

@@ -15,7 +15,10 @@ namespace fs = std::filesystem;
 // Python program for Blender. Exit status 5: this Blender cannot write the format (Debian's Blender 3.4 is built without Alembic).
 constexpr const char* script = R"(import sys
 import bpy
+import numpy
 
+if not hasattr(numpy, "bool"):
+    numpy.bool = bool  # the glTF reader of Blender 3.4 uses this name, which newer versions of NumPy have removed
 source, target, rate = sys.argv[sys.argv.index("--") + 1:]
 for item in list(bpy.data.objects):
     bpy.data.objects.remove(item)
@@ -51,9 +54,9 @@ Result<void> export_with_blender(std::span<const std::byte> glb, double rate, co
   if (Result<void> done = files::write_file(source, glb); !done) return done;
   if (Result<void> done = files::write_file(code, std::string_view(script)); !done) return done;
   catch_interrupt();
-  const Result<std::unique_ptr<Child>> child = Child::start({*program, "-b", "--factory-startup", "--python-exit-code", "3", "--python",
-                                                             code, "--", source, written, std::to_string(rate)},
-                                                            false, log);
+  const Result<std::unique_ptr<Child>> child = Child::start(
+      {*program, "-b", "--factory-startup", "--python-exit-code", "3", "--python", code, "--", source, written, std::to_string(rate)},
+      false, log);
   if (!child) return fail(child.error());
   const bool good = (*child)->wait();
   if (interrupted()) return fail(interrupted_error());

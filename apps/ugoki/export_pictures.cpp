@@ -184,7 +184,9 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
                    {"theme", o.light ? "light" : "dark"},
                    {"assist", o.overlays},
                    {"png", !outputs.png.empty()},
-                   {"raw", !videos ? "" : planar ? "planar" : "rgba"},
+                   {"raw", !videos  ? ""
+                           : planar ? "planar"
+                                    : "rgba"},
                    {"ahead", max_waiting}};
   if (!o.inputs.empty()) {
     Result<Json> inputs = json::parse_json(o.inputs, "inputs");
@@ -275,11 +277,10 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
           ".mp4");
       !done)
     return fail(std::move(done.error()));
-  if (Result<void> done =
-          start_video(outputs.webm,
-                      coder({"-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-row-mt", "1", "-deadline", "good", "-cpu-used", "5",
-                             "-pix_fmt", o.transparent ? "yuva420p" : "yuv420p"}),
-                      ".webm");
+  if (Result<void> done = start_video(outputs.webm,
+                                      coder({"-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-row-mt", "1", "-deadline", "good",
+                                             "-cpu-used", "5", "-pix_fmt", o.transparent ? "yuva420p" : "yuv420p"}),
+                                      ".webm");
       !done)
     return fail(std::move(done.error()));
   if (Result<void> done = start_video(

@@ -46,7 +46,8 @@ int run_new(const Options& options) {
   content::Scenario scenario;
   content::Resources resources;
   if (!options.from.empty()) {
-    if (const Result<void> done = read_content_file(options.from, scenario, resources); !done) return print_error(done.error(), options.json);
+    if (const Result<void> done = read_content_file(options.from, scenario, resources); !done)
+      return print_error(done.error(), options.json);
   } else if (!options.empty) {
     samples::Sample sample = samples::make_sample();
     Result<content::Scenario> document = content::read_scenario(sample.document, "sample");

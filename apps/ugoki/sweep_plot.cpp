@@ -12,8 +12,8 @@
 namespace ugoki::cli {
 namespace {
 
-constexpr double width = 720, height = 440;                        // px
-constexpr double left = 74, right = 150, top = 44, bottom = 58;    // px: margins around the plotted area
+constexpr double width = 720, height = 440;                      // px
+constexpr double left = 74, right = 150, top = 44, bottom = 58;  // px: margins around the plotted area
 constexpr std::array colors = {"#2563eb", "#dc2626", "#059669", "#d97706", "#7c3aed", "#0891b2",
                                "#be185d", "#4d7c0f", "#475569", "#b45309", "#1d4ed8", "#9f1239"};
 
@@ -90,7 +90,8 @@ Result<std::string> plot_svg(const std::vector<PlotPoint>& points, const PlotLab
            "</text>\n";
   };
   std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + px(width) + "\" height=\"" + px(height) + "\" viewBox=\"0 0 " +
-                    px(width) + " " + px(height) + "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#1f2937\">\n<rect width=\"100%\" "
+                    px(width) + " " + px(height) +
+                    "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#1f2937\">\n<rect width=\"100%\" "
                     "height=\"100%\" fill=\"#ffffff\"/>\n";
   out += text(left, 24, "start", labels.title, " font-size=\"15\" font-weight=\"bold\"");
   out += "<rect x=\"" + px(left) + "\" y=\"" + px(top) + "\" width=\"" + px(width - left - right) + "\" height=\"" +

@@ -176,8 +176,7 @@ Result<std::int64_t> SweepTable::merge(const std::string& path) {
   if (!part) return fail(std::move(part.error()));
   const Result<std::string> plan = part->text("SELECT value FROM property WHERE name = 'plan'");
   if (!plan) return fail(plan.error());
-  if (*plan != plan_)
-    return fail(ErrorCode::conflict, path, "This table belongs to another sweep.", "Merge only the parts of one sweep.");
+  if (*plan != plan_) return fail(ErrorCode::conflict, path, "This table belongs to another sweep.", "Merge only the parts of one sweep.");
   Result<store::Statement> select = part->prepare("SELECT * FROM run ORDER BY number");
   if (!select) return fail(std::move(select.error()));
   std::int64_t added = 0;

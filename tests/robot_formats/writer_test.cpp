@@ -340,8 +340,8 @@ std::vector<double> random_motion(const Mechanism& m, int frames, unsigned seed)
   return out;
 }
 
-const std::vector<JointType> all_joint_types = {JointType::revolute, JointType::prismatic, JointType::spherical, JointType::planar,
-                                                JointType::universal, JointType::cylindrical, JointType::helical, JointType::fixed};
+const std::vector<JointType> all_joint_types = {JointType::revolute,  JointType::prismatic,   JointType::spherical, JointType::planar,
+                                                JointType::universal, JointType::cylindrical, JointType::helical,   JointType::fixed};
 
 /// The poses of the links, computed from the URDF and the motion table beside it, equal the poses of the motion.
 TEST(UrdfWriter, MotionGivesThePosesOfTheLinks) {
@@ -397,23 +397,25 @@ TEST(WriterPeer, MujocoReadsTheMotionOfEveryJointType) {
     spec.links[0].joint.X_PJ = {to_matrix(exp_map({0.3, 0.2, -0.5})), {1, 2, 3}};  // MuJoCo has no such frame for a free joint
     const MechanismPtr m = made(spec);
     const std::vector<double> motion = random_motion(*m, 4, seed);
-    const PeerModel peer = open_text_with_mujoco(write_mjcf(*m, {50, motion}).text);
-    ASSERT_TRUE(peer.model) << peer.why;
-    ASSERT_EQ(peer.model->nkey, 4);
+    std::string why;
+    const MujocoModel peer = open_in_mujoco(write_mjcf(*m, {50, motion}).text, why);
+    ASSERT_TRUE(peer) << why;
+    ASSERT_EQ(peer->nkey, 4);
+    const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(peer.get()), mj_deleteData);
     for (int f = 0; f < 4; ++f) {
-      EXPECT_EQ(peer.model->key_time[f], 0.02 * f);
-      mj_resetDataKeyframe(peer.model.get(), peer.data.get(), f);
-      mj_kinematics(peer.model.get(), peer.data.get());
+      EXPECT_EQ(peer->key_time[f], 0.02 * f);
+      mj_resetDataKeyframe(peer.get(), data.get(), f);
+      mj_kinematics(peer.get(), data.get());
       std::vector<Pose> X(m->links().size());
       const auto nq = static_cast<std::size_t>(m->nq());
       calc_poses(*m, std::span(motion).subspan(static_cast<std::size_t>(f) * nq, nq), X);
       for (std::size_t l = 0; l < X.size(); ++l) {
         const std::string& name = m->link(static_cast<int>(l)).name;
-        const int body = mj_name2id(peer.model.get(), mjOBJ_BODY, name.c_str());
+        const int body = mj_name2id(peer.get(), mjOBJ_BODY, name.c_str());
         ASSERT_GE(body, 0) << name;
-        for (int k = 0; k < 3; ++k) EXPECT_NEAR(peer.data->xpos[3 * body + k], X[l].p[k], 1e-9) << name << " in frame " << f;
+        for (int k = 0; k < 3; ++k) EXPECT_NEAR(data->xpos[3 * body + k], X[l].p[k], 1e-9) << name << " in frame " << f;
         for (int r = 0; r < 3; ++r)
-          for (int c = 0; c < 3; ++c) EXPECT_NEAR(peer.data->xmat[9 * body + 3 * r + c], X[l].R(r, c), 1e-9) << name << " in frame " << f;
+          for (int c = 0; c < 3; ++c) EXPECT_NEAR(data->xmat[9 * body + 3 * r + c], X[l].R.column(c)[r], 1e-9) << name << " in frame " << f;
       }
     }
   }

@@ -33,8 +33,7 @@ class Writer {
         for (std::size_t l = 0; l < c.links(); ++l) poses.push_back(pose_of(c.pose(0, l)));
         out_ += usda_physics(*c.mechanism, poses, usd_name(name + "_physics", used));
       }
-    out_ += "    def PhysicsScene \"" + usd_name("PhysicsScene", used) +
-            "\"\n    {\n        vector3f physics:gravityDirection = ";
+    out_ += "    def PhysicsScene \"" + usd_name("PhysicsScene", used) + "\"\n    {\n        vector3f physics:gravityDirection = ";
     const double gravity = norm(take_.gravity);
     vec(gravity > 0 ? take_.gravity / gravity : Vec3{0, 0, -1});
     out_ += "\n        float physics:gravityMagnitude = ";

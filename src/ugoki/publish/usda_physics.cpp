@@ -62,11 +62,13 @@ class PhysicsWriter {
 
   void add_body(int i) {
     const Link& l = m_.link(i);
-    out_ += "        def Xform \"" + name_of_link(i) + "\" (\n            prepend apiSchemas = [\"PhysicsRigidBodyAPI\", \"PhysicsMassAPI\"]\n        )\n        {\n";
+    out_ += "        def Xform \"" + name_of_link(i) +
+            "\" (\n            prepend apiSchemas = [\"PhysicsRigidBodyAPI\", \"PhysicsMassAPI\"]\n        )\n        {\n";
     if (l.inertia.mass > 0) {
       const robot_formats::SymmetricEigen principal = robot_formats::symmetric_eigen(l.inertia.about_centre());
-      out_ += "            float physics:mass = " + number(l.inertia.mass) + "\n            point3f physics:centerOfMass = " +
-              vec(l.inertia.centre()) + "\n            float3 physics:diagonalInertia = " + vec(principal.values) +
+      out_ += "            float physics:mass = " + number(l.inertia.mass) +
+              "\n            point3f physics:centerOfMass = " + vec(l.inertia.centre()) +
+              "\n            float3 physics:diagonalInertia = " + vec(principal.values) +
               "\n            quatf physics:principalAxes = " + quat(to_quat(principal.V)) + '\n';
     }
     pose("            ", poses_[static_cast<std::size_t>(i)]);
@@ -90,8 +92,8 @@ class PhysicsWriter {
       case ShapeType::capsule:
       case ShapeType::cylinder:
         type = s.type == ShapeType::capsule ? "Capsule" : "Cylinder";
-        size = "uniform token axis = \"Z\"\n                double height = " + number(2 * s.half_length) + "\n                double radius = " +
-               number(s.radius);
+        size = "uniform token axis = \"Z\"\n                double height = " + number(2 * s.half_length) +
+               "\n                double radius = " + number(s.radius);
         break;
       case ShapeType::box:
         type = "Cube";
@@ -104,8 +106,9 @@ class PhysicsWriter {
             "\" (\n                prepend apiSchemas = [\"PhysicsCollisionAPI\"]\n            )\n            {\n                " + size +
             "\n                uniform token purpose = \"guide\"\n";
     pose("                ", s.X_BS);
-    out_ += "                float3 xformOp:scale = " + vec(scale) +
-            "\n                uniform token[] xformOpOrder = [\"xformOp:translate\", \"xformOp:orient\", \"xformOp:scale\"]\n            }\n";
+    out_ +=
+        "                float3 xformOp:scale = " + vec(scale) +
+        "\n                uniform token[] xformOpOrder = [\"xformOp:translate\", \"xformOp:orient\", \"xformOp:scale\"]\n            }\n";
   }
 
   static UsdJoint usd_joint(const Joint& j) {
@@ -152,10 +155,11 @@ class PhysicsWriter {
     if (!schemas.empty()) out_ += " (\n            prepend apiSchemas = [" + schemas + "]\n        )";
     out_ += "\n        {\n";
     for (const auto& [side, link, X] : {std::tuple{"0", link0, X0}, {"1", link1, X1}}) {
-      if (link >= 0) out_ += "            rel physics:body" + std::string(side) + " = </Content/" + name_ + '/' + name_of_link(link) + ">\n";
+      if (link >= 0)
+        out_ += "            rel physics:body" + std::string(side) + " = </Content/" + name_ + '/' + name_of_link(link) + ">\n";
       const Pose local = X * Pose{j.R, {}};
-      out_ += "            point3f physics:localPos" + std::string(side) + " = " + vec(local.p) + "\n            quatf physics:localRot" + side +
-              " = " + quat(to_quat(local.R)) + '\n';
+      out_ += "            point3f physics:localPos" + std::string(side) + " = " + vec(local.p) + "\n            quatf physics:localRot" +
+              side + " = " + quat(to_quat(local.R)) + '\n';
     }
     const bool turns = j.type == "PhysicsRevoluteJoint";
     if (turns || j.type == "PhysicsPrismaticJoint") {
@@ -175,7 +179,8 @@ class PhysicsWriter {
   void add_joint(int i) {
     const Link& l = m_.link(i);
     const UsdJoint j = usd_joint(l.joint);
-    if (!j.type.empty()) joint(name_of_link(i) + "_joint", j, l.parent, i, l.joint.X_PJ, {}, l.joint.nv() == 1 ? &l.joint.dofs[0] : nullptr, false);
+    if (!j.type.empty())
+      joint(name_of_link(i) + "_joint", j, l.parent, i, l.joint.X_PJ, {}, l.joint.nv() == 1 ? &l.joint.dofs[0] : nullptr, false);
   }
 
   void add_loop(const Loop& loop) {
