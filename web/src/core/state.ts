@@ -38,7 +38,8 @@ export interface LoggedLine extends LogLine {
 }
 
 export interface StudioState {
-  connection: 'connecting' | 'open' | 'lost';
+  /** `refused`: the service does not accept this page's token; the page does not try to connect. */
+  connection: 'connecting' | 'open' | 'lost' | 'refused';
   /** When the next attempt to connect starts, as Date.now(), ms. */
   retry_at: number;
   project: ProjectInfo | null;
