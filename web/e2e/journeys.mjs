@@ -7,6 +7,7 @@ import { ready } from './browser.mjs';
 import { circuit_journeys } from './circuit.mjs';
 import { control_journeys } from './controls.mjs';
 import { plugin_journeys } from './plugins.mjs';
+import { repair_journeys } from './repairs.mjs';
 import { library_journeys } from './library.mjs';
 import { motion_journeys } from './motion.mjs';
 import { mock } from './service.mjs';
@@ -446,6 +447,7 @@ export const journeys = [
       await other.close();
     },
   },
+  ...repair_journeys,
   ...motion_journeys,
   ...library_journeys,
   ...circuit_journeys,

@@ -17,17 +17,19 @@ export const available = mock || existsSync(program);
 /** Starts the service and waits for the address that it prints. */
 export async function start_service() {
   const folder = mkdtempSync(join(tmpdir(), 'ugoki-e2e-'));
-  const env = { ...process.env, HOME: folder, XDG_DATA_HOME: join(folder, 'data'), XDG_CACHE_HOME: join(folder, 'cache'), XDG_CONFIG_HOME: join(folder, 'config') };
+  const env = { ...process.env, HOME: folder, XDG_DATA_HOME: join(folder, 'data'), XDG_CACHE_HOME: join(folder, 'cache'), XDG_CONFIG_HOME: join(folder, 'config'), XDG_STATE_HOME: join(folder, 'state') };
   let child;
+  let start;
   if (mock) child = spawn(process.execPath, [join(here, '../dev/mock-server.mjs'), '0'], { env, cwd: folder });
   else {
     const project = join(folder, 'sample.ugoki');
     const made = spawnSync(program, ['new', project], { env, cwd: folder, encoding: 'utf8' });
     if (made.status !== 0) throw new Error(`ugoki new ended with ${made.status}: ${made.stderr}${made.stdout}`);
-    child = spawn(program, ['studio', project, '--port', '0', '--no-open', '--web', web, '--library', join(folder, 'library.db')], { env, cwd: folder });
+    start = (port) => spawn(program, ['studio', project, '--port', port, '--no-open', '--web', web, '--library', join(folder, 'library.db')], { env, cwd: folder });
+    child = start('0');
   }
   let output = '';
-  const address = await new Promise((resolve, reject) => {
+  const printed_address = () => new Promise((resolve, reject) => {
     const timer = setTimeout(() => reject(new Error(`no address within 60 s; output: ${output}`)), 60000);
     const read = (data) => {
       output += data;
@@ -40,6 +42,7 @@ export async function start_service() {
     child.stderr.on('data', read);
     child.on('exit', (code) => reject(new Error(`the service ended with ${code}: ${output}`)));
   });
+  const address = await printed_address();
   return {
     address,
     /** The temporary folder; journeys may write to it. */
@@ -47,6 +50,20 @@ export async function start_service() {
     /** Runs the program on the command line, with the folder and environment of the service. */
     run: (arguments_, input) => spawnSync(program, arguments_, { env, cwd: folder, encoding: 'utf8', input }),
     spawn: (arguments_) => spawn(program, arguments_, { env, cwd: folder, stdio: 'ignore' }),
+    /**
+     * Kills the service, waits, and starts it again on the same port. @param new_key true: with a new key, so that all tokens become invalid
+     * @return the newly printed address
+     */
+    restart: async (new_key, pause_ms) => {
+      const ended = new Promise((resolve) => child.on('exit', resolve));
+      child.kill('SIGKILL');
+      await ended;
+      if (new_key) rmSync(join(env.XDG_STATE_HOME, 'ugoki', 'studio.key'));
+      await new Promise((resolve) => setTimeout(resolve, pause_ms));
+      output = '';
+      child = start(new URL(address).port);
+      return printed_address();
+    },
     output: () => output,
     /** Whether the program has ended. */
     ended: () => child.exitCode !== null || child.signalCode !== null,

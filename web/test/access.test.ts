@@ -1,5 +1,5 @@
 import { describe, expect, it, vi } from 'vitest';
-import { Access, code_of, type AccessPlatform } from '../src/core/access';
+import { Access, code_in, code_of, type AccessPlatform } from '../src/core/access';
 
 /** A browser with the address `#fragment`, and a service that accepts `code` and `token`. */
 function platform(fragment: string, service: { code: string; token: string; down?: boolean }, stored: Record<string, string> = {}) {
@@ -29,6 +29,12 @@ function platform(fragment: string, service: { code: string; token: string; down
   };
   return { access: new Access(p), requests, cleared, stored };
 }
+
+describe('a pasted address', () => {
+  it('may be whole, a fragment, or only the code', () => {
+    for (const text of ['http://127.0.0.1:7117/#code=c-1_2', '#code=c-1_2', ' c-1_2 ']) expect(code_in(text)).toBe('c-1_2');
+  });
+});
 
 describe('Access', () => {
   it('exchanges the code of the address for the token and removes the code from the address', async () => {

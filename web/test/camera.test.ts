@@ -49,3 +49,39 @@ describe('framing', () => {
     expect(rig.current.distance).toBe(5);
   });
 });
+
+describe('orbiting', () => {
+  const settle = (rig: CameraRig): void => {
+    for (let i = 0; i < 200; i++) rig.update(0.05);
+  };
+  it('keeps the camera above the floor', () => {
+    const rig = new CameraRig();
+    for (let i = 0; i < 400; i++) rig.orbit(0, -10);
+    settle(rig);
+    expect(rig.perspective.position.z).toBeCloseTo(0.05, 2);
+  });
+  it('leaves a camera below the floor where a view from below put it', () => {
+    const rig = new CameraRig();
+    rig.look_from(0, -1.4);
+    settle(rig);
+    rig.orbit(40, 0);
+    settle(rig);
+    expect(rig.current.elevation).toBeCloseTo(-1.4, 3);
+  });
+});
+
+describe('following', () => {
+  it('does not move the view when another character is followed, and then moves along with it', () => {
+    const rig = new CameraRig();
+    rig.set({}, true);
+    rig.follow(new THREE.Vector3(0, 0, 1), 'a');
+    rig.update(0.05);
+    const before = rig.current.target.x;
+    rig.follow(new THREE.Vector3(5, 0, 1), 'b');
+    for (let i = 0; i < 100; i++) rig.update(0.05);
+    expect(rig.current.target.x).toBeCloseTo(before, 6);
+    rig.follow(new THREE.Vector3(6, 0, 1), 'b');
+    for (let i = 0; i < 100; i++) rig.update(0.05);
+    expect(rig.current.target.x).toBeCloseTo(before + 1, 2);
+  });
+});

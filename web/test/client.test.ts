@@ -261,6 +261,35 @@ describe('Session', () => {
     expect(session.state.selection).toEqual({ kind: 'character', character: 'human' });
   });
 
+  it('keeps the measures from Simulate to Edit and back, and drops them with the recording', async () => {
+    const { session, socket } = await start();
+    const transport = (mode: string, simulated: number) => socket.deliver({ event: 'transport', ...hello().transport, mode, simulated });
+    transport('simulate', 3);
+    socket.deliver({ event: 'summary', characters: [{ id: 'human', fell: false }], contacts: [] });
+    transport('edit', 3);
+    transport('simulate', 3);
+    expect(session.state.summary.characters).toHaveLength(1);
+    transport('edit', 0);
+    expect(session.state.summary.characters).toHaveLength(0);
+  });
+  it('follows the first character of a scenario that was empty', async () => {
+    const session = new Session({ make_socket, fetch: () => Promise.resolve(new Response('{}')) });
+    session.start();
+    sockets[0]!.open();
+    sockets[0]!.answer({ ...hello(), document: { ...sample_document(), camera: { follow: null }, characters: [] }, characters: [] });
+    await vi.advanceTimersByTimeAsync(0);
+    expect(session.state.view.follow).toBe(true);
+  });
+  it('does not connect while the service refuses the page, and connects when asked', async () => {
+    const { session, socket } = await start();
+    socket.lose();
+    session.refuse();
+    vi.advanceTimersByTime(60000);
+    expect(sockets).toHaveLength(1);
+    expect(session.state.connection).toBe('refused');
+    session.retry();
+    expect(sockets).toHaveLength(2);
+  });
   it('reports the lost connection and the time of the next attempt', async () => {
     const { session, socket } = await start();
     socket.lose();

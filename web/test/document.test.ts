@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { apply_command, blend_spans, content_end, find_character, find_clip, free_name, free_place, track_end } from '../src/core/document';
+import { apply_command, blend_spans, content_end, find_character, find_clip, fit_blends, free_name, free_place, track_end, with_room } from '../src/core/document';
 import { valid_selection } from '../src/core/state';
 import { sample_document } from './sample';
 
@@ -40,7 +40,7 @@ describe('apply_command', () => {
 
 describe('reading a document', () => {
   it('finds overlaps of clips', () => {
-    expect(blend_spans(sample_document().characters[0]!.track)).toEqual([{ from: 3, to: expect.closeTo(3.2), into: 'k2' }]);
+    expect(blend_spans(sample_document().characters[0]!.track)).toEqual([{ from: 3, to: expect.closeTo(3.3), into: 'k2' }]);
   });
   it('finds the end of the last clip or event', () => {
     expect(content_end(sample_document())).toBe(5);
@@ -51,6 +51,36 @@ describe('reading a document', () => {
     expect(valid_selection({ kind: 'clip', character: 'human', clip: 'gone' }, doc)).toEqual({ kind: 'character', character: 'human' });
     expect(valid_selection({ kind: 'event', event: 'gone' }, doc)).toEqual({ kind: 'none' });
     expect(valid_selection({ kind: 'clip', character: 'human', clip: 'k1' }, doc).kind).toBe('clip');
+  });
+});
+
+describe('overlaps of clips', () => {
+  const doc = sample_document(); // k1 from 1 s to 3.2 s, k2 from 3 s to 5 s
+  const { track } = doc.characters[0]!;
+  const moved = (start: number) => apply_command(doc, { type: 'clip.set', character: 'human', id: 'k2', start }).characters[0]!.track;
+  it('become the cross-fade of the later clip', () => {
+    expect(fit_blends('human', track, moved(2))).toEqual([{ type: 'clip.set', character: 'human', id: 'k2', blend: 1.2 }]);
+  });
+  it('leave a cross-fade alone that does not change', () => {
+    expect(fit_blends('human', track, apply_command(doc, { type: 'clip.set', character: 'human', id: 'k1', offset: 0.2 }).characters[0]!.track)).toEqual([]);
+  });
+  it('give the short cross-fade of new clips when they end', () => {
+    const long = apply_command(doc, { type: 'group', label: '', commands: [{ type: 'clip.set', character: 'human', id: 'k2', start: 2 }, ...fit_blends('human', track, moved(2))] }).characters[0]!.track;
+    expect(fit_blends('human', long, moved(4).map((k) => (k.id === 'k2' ? { ...k, blend: 1.2 } : k)))).toEqual([{ type: 'clip.set', character: 'human', id: 'k2', blend: 0.3 }]);
+  });
+  it('also change the cross-fade of a clip that was not dragged', () => {
+    const after = apply_command(doc, { type: 'clip.set', character: 'human', id: 'k1', length: 3 }).characters[0]!.track;
+    expect(fit_blends('human', track, after)).toEqual([{ type: 'clip.set', character: 'human', id: 'k2', blend: 1 }]);
+  });
+});
+
+describe('room for a clip', () => {
+  const add = { type: 'clip.add', character: 'human', motion: 'n-1', start: 19 } as const;
+  it('lengthens the scenario in the same undo step', () => {
+    expect(with_room(sample_document(), add, 22.5, 'Add clip')).toEqual({ type: 'group', label: 'Add clip', commands: [{ type: 'scenario.set', duration: 22.5 }, add] });
+  });
+  it('changes nothing if the clip fits', () => {
+    expect(with_room(sample_document(), add, 20, 'Add clip')).toBe(add);
   });
 });
 

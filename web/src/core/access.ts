@@ -16,6 +16,9 @@ export type Entry = 'open' | 'refused';
 
 const token_key = 'ugoki_token';
 
+/** The code in a text that a user pasted: a whole address, its fragment, or the code alone. */
+export const code_in = (text: string): string => code_of(text.slice(Math.max(0, text.indexOf('#')))) ?? text.trim();
+
 /** The code in a fragment of the form `#code=CODE`; null if it contains none. */
 export const code_of = (fragment: string): string | null => new URLSearchParams(fragment.replace(/^#/, '')).get('code');
 
@@ -30,6 +33,11 @@ export class Access {
     const code = code_of(this.platform.fragment());
     if (code === null) return this.check();
     this.platform.clear_fragment();
+    return this.enter_code(code);
+  }
+
+  /** Exchanges `code` for the token. */
+  async enter_code(code: string): Promise<Entry> {
     try {
       const response = await this.platform.fetch('api/session', { method: 'POST', body: JSON.stringify({ code }), headers: { 'Content-Type': 'application/json' } });
       const body = response.ok ? ((await response.json()) as { token?: unknown }) : {};

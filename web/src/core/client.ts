@@ -52,6 +52,9 @@ export class Client {
   connect(): void {
     if (this.timer) clearTimeout(this.timer);
     this.timer = null;
+    const before = this.socket;
+    this.socket = null;
+    before?.close();
     const socket = this.make_socket();
     this.socket = socket;
     socket.binaryType = 'arraybuffer';
@@ -72,9 +75,11 @@ export class Client {
   /** Reconnects now instead of at the end of the delay. */
   retry(): void {
     this.attempt = 0;
+    this.closed = false;
     this.connect();
   }
 
+  /** Closes the connection until the next `retry`. */
   close(): void {
     this.closed = true;
     if (this.timer) clearTimeout(this.timer);

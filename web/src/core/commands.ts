@@ -10,6 +10,8 @@ export interface AppCommand {
   industry?: string[];
   blender?: string[];
   enabled?: () => boolean;
+  /** True: a held key runs the command repeatedly. */
+  repeats?: boolean;
   run: () => void;
 }
 

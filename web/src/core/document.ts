@@ -181,17 +181,49 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
   }
 }
 
-/** Overlaps of clips on one track, s. `into` is the id of the later clip, which blends in. */
+const by_start = (track: readonly Clip[]): Clip[] => [...track].sort((a, b) => a.start - b.start);
+
+/** Cross-fades between the clips of one track as they are played, s. `into` is the id of the later clip, which blends in. */
 export function blend_spans(track: readonly Clip[]): { from: number; to: number; into: string }[] {
-  const sorted = [...track].sort((a, b) => a.start - b.start);
-  const spans: { from: number; to: number; into: string }[] = [];
-  for (let i = 1; i < sorted.length; i++) {
-    const before = sorted[i - 1]!;
-    const clip = sorted[i]!;
-    const to = Math.min(before.start + before.length, clip.start + clip.length);
-    if (to > clip.start + 1e-9) spans.push({ from: clip.start, to, into: clip.id });
-  }
-  return spans;
+  return by_start(track)
+    .slice(1)
+    .filter((clip) => clip.blend > 0)
+    .map((clip) => ({ from: clip.start, to: clip.start + Math.min(clip.blend, clip.length), into: clip.id }));
+}
+
+/** For each clip, by its id, the time in which the previous clip on the track is still playing, s. */
+function overlaps(track: readonly Clip[]): Map<string, number> {
+  const sorted = by_start(track);
+  return new Map(
+    sorted.map((clip, i) => {
+      const before = sorted[i - 1];
+      return [clip.id, before ? Math.max(0, Math.min(before.start + before.length, clip.start + clip.length) - clip.start) : 0];
+    }),
+  );
+}
+
+const default_blend = 0.3; // s, cross-fade of a clip that does not overlap another: as the service sets it for new clips
+
+/**
+ * Commands that make the cross-fades of a track agree with the overlaps that changed between `before` and `after`: an overlap is played as the
+ * cross-fade of the later clip.
+ */
+export function fit_blends(character: string, before: readonly Clip[], after: readonly Clip[]): Command[] {
+  const was = overlaps(before);
+  const now = overlaps(after);
+  return after.flatMap((clip): Command[] => {
+    const overlap = now.get(clip.id)!;
+    const old = was.get(clip.id) ?? 0;
+    if (Math.abs(overlap - old) < 1e-6) return [];
+    const blend = overlap > 0 ? Math.round(overlap * 1e6) / 1e6 : Math.min(clip.blend, default_blend);
+    return blend === clip.blend ? [] : [{ type: 'clip.set', character, id: clip.id, blend }];
+  });
+}
+
+/** `command` with a longer duration of the scenario, in one undo step, if `end` (s) is after the scenario's end; otherwise `command`. */
+export function with_room(doc: ScenarioDocument, command: Command, end: number, label: string): Command {
+  if (end <= doc.duration + 1e-9) return command;
+  return { type: 'group', label, commands: [{ type: 'scenario.set', duration: Math.round(end * 1e6) / 1e6 }, command] };
 }
 
 const clearance = 0.9; // m, between the places of two characters: two humans with outstretched elbows do not touch

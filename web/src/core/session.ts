@@ -54,13 +54,13 @@ export class Session {
   private expected_edit: { from: number; changes: string; document: ScenarioDocument } | null = null;
   private next_id = 1;
   private preview_timer: ReturnType<typeof setTimeout> | null = null;
-  private readonly fetching = new Set<string>();
+  private readonly fetching = new Map<string, Promise<void>>();
 
   constructor(private readonly options: SessionOptions) {
     this.store = createStore<StudioState>(() => initial_state);
     this.client = new Client(options.make_socket, {
       connected: (hello) => this.connected(hello),
-      disconnected: (retry_ms) => this.set({ connection: 'lost', retry_at: Date.now() + retry_ms }),
+      disconnected: (retry_ms) => this.set({ connection: this.state.connection === 'refused' ? 'refused' : 'lost', retry_at: Date.now() + retry_ms }),
       event: (event) => this.event(event),
       frame: (frame) => this.frames.push(frame),
       protocol_error: (message) => this.log('error', message),
@@ -96,7 +96,14 @@ export class Session {
   }
 
   retry(): void {
+    if (this.state.connection === 'refused') this.set({ connection: 'lost', retry_at: Date.now() });
     this.client.retry();
+  }
+
+  /** Ends the attempts to connect: the service does not accept this page until the user enters the new address. */
+  refuse(): void {
+    this.set({ connection: 'refused' });
+    this.client.close();
   }
 
   // ---- edits ----
@@ -320,10 +327,18 @@ export class Session {
     if (entries.length > 0) this.set({ library_revision: this.state.library_revision + 1 });
   }
 
-  /** Loads a mechanism into `mechanisms` unless it is loaded or being loaded. */
-  async need_mechanism(id: string): Promise<void> {
-    if (this.state.mechanisms[id] || this.fetching.has(id)) return;
-    this.fetching.add(id);
+  /** Loads a mechanism into `mechanisms` unless it is loaded; fulfilled when it is loaded or an error was reported. */
+  need_mechanism(id: string): Promise<void> {
+    if (this.state.mechanisms[id]) return Promise.resolve();
+    let running = this.fetching.get(id);
+    if (!running) {
+      running = this.fetch_mechanism(id);
+      this.fetching.set(id, running);
+    }
+    return running;
+  }
+
+  private async fetch_mechanism(id: string): Promise<void> {
     try {
       const mechanism = await this.fetch_json<MechanismData>(`api/mechanism/${encodeURIComponent(id)}`);
       this.set({ mechanisms: { ...this.state.mechanisms, [id]: mechanism } });
@@ -432,7 +447,7 @@ export class Session {
     const first = this.state.connection === 'connecting';
     if (first) this.set(read_choices(hello.choices));
     const view = { ...this.state.view };
-    if (first && hello.document.camera?.follow) view.follow = true;
+    if (first && (hello.document.camera?.follow || hello.document.characters.length === 0)) view.follow = true;
     this.set({
       connection: 'open',
       project: hello.project,
@@ -484,7 +499,7 @@ export class Session {
       }
       case 'transport': {
         const { event: _name, ...transport } = event;
-        if (transport.mode !== this.state.transport.mode) this.set({ summary: initial_state.summary });
+        if (transport.simulated === 0 && this.state.transport.simulated > 0) this.set({ summary: initial_state.summary }); // the recording was discarded
         if ((transport.playing || transport.status === 'ready') && this.state.stop_problems.length > 0) this.set({ stopped: null, stop_problems: [] });
         const { breakpoint_hit } = this.state;
         if (breakpoint_hit && (transport.playing || Math.abs(transport.time - breakpoint_hit.time) > 1e-9)) this.set({ breakpoint_hit: null });

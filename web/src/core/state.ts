@@ -38,7 +38,8 @@ export interface LoggedLine extends LogLine {
 }
 
 export interface StudioState {
-  connection: 'connecting' | 'open' | 'lost';
+  /** `refused`: the service does not accept this page's token; the page does not try to connect. */
+  connection: 'connecting' | 'open' | 'lost' | 'refused';
   /** Time of the next attempt to connect, as returned by Date.now(), ms. */
   retry_at: number;
   project: ProjectInfo | null;

@@ -1,5 +1,5 @@
 import { DockviewReact, type DockviewApi, type DockviewReadyEvent, type IDockviewPanelHeaderProps } from 'dockview';
-import { useEffect, useRef, type FunctionComponent, type ReactElement } from 'react';
+import { useEffect, useRef, useState, type FunctionComponent, type KeyboardEvent as ReactKeyboardEvent, type ReactElement } from 'react';
 import { is_typing, key_of } from '../core/keymap';
 import { imports, parts, registry, session, useStudio } from './app';
 import { Banners, Dialogs, Toasts } from './dialogs';
@@ -30,8 +30,37 @@ const components: Record<string, FunctionComponent> = {
 
 const toggle_maximized = (api: { isMaximized(): boolean; maximize(): void; exitMaximized(): void }): void => (api.isMaximized() ? api.exitMaximized() : api.maximize());
 
+/** The tab of a panel. Of the tabs of a group, Tab reaches the selected one; the arrow keys, Home and End select another. */
 function Tab({ api }: IDockviewPanelHeaderProps): ReactElement {
-  return <div className="tab" onDoubleClick={() => toggle_maximized(api)} title="Double-click to maximise or restore the panel  (Ctrl Space)">{api.title}</div>;
+  const element = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    const tab = element.current?.closest<HTMLElement>('.dv-tab');
+    if (!tab) return;
+    const mark = (): void => {
+      tab.setAttribute('role', 'tab');
+      tab.setAttribute('aria-selected', String(api.isVisible));
+      tab.tabIndex = api.isVisible ? 0 : -1;
+      tab.parentElement?.setAttribute('role', 'tablist');
+    };
+    mark();
+    const changes = [api.onDidVisibilityChange(mark), api.onDidGroupChange(mark), api.onDidActiveChange(mark)];
+    return () => changes.forEach((change) => change.dispose());
+  }, [api]);
+  return <div ref={element} className="tab" onDoubleClick={() => toggle_maximized(api)} title="Double-click to maximise or restore the panel  (Ctrl Space)">{api.title}</div>;
+}
+
+/** Selects and focuses another tab of the group of the focused tab. */
+function move_between_tabs(event: ReactKeyboardEvent): void {
+  const tab = (event.target as HTMLElement).closest<HTMLElement>('.dv-tab');
+  if (!tab || event.target !== tab || event.ctrlKey || event.altKey || event.metaKey || event.shiftKey) return;
+  const tabs = [...(tab.parentElement?.querySelectorAll<HTMLElement>(':scope > .dv-tab') ?? [])];
+  const at = tabs.indexOf(tab);
+  const next = { ArrowRight: (at + 1) % tabs.length, ArrowLeft: (at - 1 + tabs.length) % tabs.length, Home: 0, End: tabs.length - 1, Enter: at, ' ': at }[event.key];
+  if (next === undefined) return;
+  event.preventDefault();
+  event.stopPropagation();
+  tabs[next]!.dispatchEvent(new PointerEvent('pointerdown', { bubbles: true, button: 0 })); // selects the tab, as a click does
+  tabs[next]!.focus();
 }
 
 /** Replaces the layout by the initial one: viewport in the middle, library left, inspector right, tabs below. */
@@ -59,12 +88,38 @@ function add_circuit(api: DockviewApi): void {
   api.addPanel({ id: 'circuit', component: 'circuit', title: 'Circuit', inactive: true, position: { referencePanel: 'scenario', direction: 'within', index: 1 } });
 }
 
+const min_viewport_width = 320; // px; with a smaller viewport the panels shrink with the window
+
+/**
+ * Lays out the dock in `width` x `height` px. The viewport takes the difference to the size before: groups beside it keep their width, groups
+ * above and below it their height.
+ */
+function lay_out(api: DockviewApi, width: number, height: number): void {
+  const viewport = api.getPanel('viewport')?.group;
+  const middle = viewport?.element.getBoundingClientRect();
+  if (!viewport || !middle || middle.width === 0 || api.hasMaximizedGroup()) return api.layout(width, height, true);
+  const kept = api.groups.flatMap((group): { group: typeof viewport; size: { width?: number; height?: number } }[] => {
+    const box = group.element.getBoundingClientRect();
+    if (group === viewport || box.width === 0) return [];
+    if (box.right <= middle.left + 1 || box.left >= middle.right - 1) return [{ group, size: { width: box.width } }];
+    if (box.bottom <= middle.top + 1 || box.top >= middle.bottom - 1) return [{ group, size: { height: box.height } }];
+    return [];
+  });
+  const room = { width: middle.width + width - api.width, height: middle.height + height - api.height };
+  api.layout(width, height, true);
+  for (const { group, size } of kept) if (size.width !== undefined ? room.width >= min_viewport_width : room.height >= min_viewport_width / 2) group.api.setSize(size);
+}
+
 /** Restores the layout stored in this browser. @return false if there is none or it is unusable */
 function restore_layout(api: DockviewApi): boolean {
   try {
     const text = localStorage.getItem(layout_key);
     if (!text) return false;
-    api.fromJSON(JSON.parse(text));
+    const layout = JSON.parse(text) as Parameters<DockviewApi['fromJSON']>[0];
+    const { width, height } = api;
+    api.layout(layout.grid.width, layout.grid.height, true); // the size for which the stored sizes of the panels are meant
+    api.fromJSON(layout);
+    lay_out(api, width, height);
     return ['viewport', 'scenario', 'library', 'inspector'].every((id) => api.getPanel(id));
   } catch {
     return false; // the stored layout is damaged or from another version
@@ -75,6 +130,7 @@ export function App(): ReactElement {
   const title = useStudio((s) => (s.project ? `${s.project.unsaved ? '• ' : ''}${s.project.name} — Ugoki` : 'Ugoki'));
   const dock = useRef<DockviewApi | null>(null);
   const frame = useRef<HTMLElement>(null);
+  const [files_over, set_files_over] = useState(false);
 
   useEffect(() => {
     document.title = title;
@@ -96,7 +152,7 @@ export function App(): ReactElement {
       if ((key === 'ArrowLeft' || key === 'ArrowRight') && (target.tagName === 'INPUT' || target.getAttribute('role') === 'radio')) return;
       event.preventDefault();
       if (command.enabled?.() === false) return;
-      if (event.repeat && !['play.back', 'play.on', 'edit.undo', 'edit.redo'].includes(command.id)) return;
+      if (event.repeat && !command.repeats) return;
       command.run();
     };
     // a click on a button must not take the keyboard focus from the viewport or the timeline
@@ -110,25 +166,37 @@ export function App(): ReactElement {
     const before_unload = (event: BeforeUnloadEvent): void => {
       if (session.state.project?.unsaved && session.state.connection === 'lost') event.preventDefault();
     };
-    const stop_file_drop = (event: DragEvent): void => {
-      if (event.dataTransfer?.types.includes('Files')) event.preventDefault();
+    // files can be dropped anywhere; handled before the dock and the panels, which take drags of panels and library entries
+    const file_over = (event: DragEvent): void => {
+      if (!event.dataTransfer?.types.includes('Files')) return;
+      event.preventDefault();
+      event.stopPropagation();
+      event.dataTransfer.dropEffect = 'copy';
+      set_files_over(true);
+    };
+    const file_leave = (event: DragEvent): void => {
+      if (event.relatedTarget === null) set_files_over(false);
     };
     const file_drop = (event: DragEvent): void => {
-      if (!event.dataTransfer?.files.length || event.defaultPrevented) return;
+      set_files_over(false);
+      if (!event.dataTransfer?.types.includes('Files')) return;
       event.preventDefault();
+      event.stopPropagation();
       void files_of(event.dataTransfer).then((files) => imports.add(files));
     };
     window.addEventListener('keydown', down);
     window.addEventListener('mousedown', press);
     window.addEventListener('beforeunload', before_unload);
-    window.addEventListener('dragover', stop_file_drop);
-    window.addEventListener('drop', file_drop);
+    window.addEventListener('dragover', file_over, true);
+    window.addEventListener('dragleave', file_leave);
+    window.addEventListener('drop', file_drop, true);
     return () => {
       window.removeEventListener('keydown', down);
       window.removeEventListener('mousedown', press);
       window.removeEventListener('beforeunload', before_unload);
-      window.removeEventListener('dragover', stop_file_drop);
-      window.removeEventListener('drop', file_drop);
+      window.removeEventListener('dragover', file_over, true);
+      window.removeEventListener('dragleave', file_leave);
+      window.removeEventListener('drop', file_drop, true);
     };
   }, []);
 
@@ -138,7 +206,7 @@ export function App(): ReactElement {
     if (!element) return;
     const fill = (): void => {
       const { clientWidth, clientHeight } = element;
-      if (dock.current && clientWidth > 0 && clientHeight > 0) dock.current.layout(clientWidth, clientHeight, true);
+      if (dock.current && clientWidth > 0 && clientHeight > 0) lay_out(dock.current, clientWidth, clientHeight);
     };
     const observer = new ResizeObserver(fill);
     observer.observe(element);
@@ -176,10 +244,10 @@ export function App(): ReactElement {
   };
 
   return (
-    <div className="page">
+    <div className={files_over ? 'page files-over' : 'page'}>
       <TopBar />
       <Banners />
-      <main ref={frame} className="dock">
+      <main ref={frame} className="dock" onKeyDown={move_between_tabs}>
         <DockviewReact
           components={components}
           defaultTabComponent={Tab}
@@ -187,11 +255,11 @@ export function App(): ReactElement {
           disableFloatingGroups
           theme={{ name: 'ugoki', className: 'dockview-theme-ugoki' }}
         />
+        <ClipMenu />
       </main>
       <Toasts />
       <Dialogs />
       <ImportDialog />
-      <ClipMenu />
       <MotionDialog />
       <Tasks />
     </div>

@@ -20,6 +20,13 @@ export function Menu({ x, y, items, close, over = false, label }: { x: number; y
     menu.style.left = `${Math.max(4, Math.min(x, window.innerWidth - menu.offsetWidth - 4))}px`;
     menu.style.top = `${Math.max(4, Math.min(y, window.innerHeight - menu.offsetHeight - 4))}px`;
   }, [over, x, y]);
+  // the element that had the focus gets it back; without it, keys would go to the page instead of the panel
+  useEffect(() => {
+    const before = document.activeElement as HTMLElement | null;
+    return () => {
+      if (!document.activeElement || document.activeElement === document.body) before?.focus({ preventScroll: true });
+    };
+  }, []);
   useEffect(() => {
     element.current?.querySelector<HTMLElement>('button:not(:disabled)')?.focus();
     const outside = (event: PointerEvent): void => {

@@ -1,5 +1,6 @@
 import { useEffect, useId, useRef, useState, type KeyboardEvent, type PointerEvent, type ReactElement } from 'react';
 import { format_number, parse_number } from '../core/format';
+import { session } from './app';
 
 export interface NumberFieldProps {
   label: string;
@@ -45,7 +46,12 @@ export function NumberField(props: NumberFieldProps): ReactElement {
     if (text === null) return;
     const parsed = parse_number(text);
     if (parsed === null) set_text(null);
-    else commit(parsed);
+    else {
+      const taken = clamp(parsed);
+      const shown_unit = unit ? ` ${unit}` : '';
+      if (Math.abs(taken - parsed) > 1e-6) session.notify(`${label}: ${format_number(parsed, digits + 1)}${shown_unit} is out of range. The value is now ${format_number(taken, digits + 1)}${shown_unit}, the ${parsed > max ? 'largest' : 'smallest'} possible.`);
+      commit(parsed);
+    }
   };
   const key = (event: KeyboardEvent): void => {
     if (event.key === 'Enter') {

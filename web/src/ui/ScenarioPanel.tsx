@@ -49,7 +49,7 @@ export function ScenarioPanel(): ReactElement {
   const open = doc !== null;
   useEffect(() => {
     if (open && fitted.current && width > 120) fit();
-  }, [open, width, fit]);
+  }, [open, width, duration, fit]);
 
   // the listener calls preventDefault, so that the wheel does not scroll the page; a passive listener could not
   useEffect(() => {
@@ -129,8 +129,8 @@ export function ScenarioPanel(): ReactElement {
     const entry = session.entry(target.entry);
     if (!entry) return;
     if (target.character) add_motion(target.character, entry.id, target.start);
-    else if (entry.kind === 'mechanism') add_character(entry.id);
-    else if (entry.mechanism) add_character(entry.mechanism, undefined, entry.id);
+    else if (entry.kind === 'mechanism') void add_character(entry.id);
+    else if (entry.mechanism) void add_character(entry.mechanism, undefined, entry.id);
   };
 
   if (!doc) return <div className="panel empty">Waiting for the project from the studio…</div>;

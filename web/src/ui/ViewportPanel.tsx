@@ -64,12 +64,12 @@ export function ViewportPanel(): ReactElement {
     event.preventDefault();
     if (entry.kind === 'mechanism') {
       const at = viewport.on_plane(event.clientX, event.clientY, new THREE.Plane(new THREE.Vector3(0, 0, 1), 0));
-      add_character(entry.id, at && at.length() < 100 ? { x: at.x, y: at.y } : undefined);
+      void add_character(entry.id, at && at.length() < 100 ? { x: at.x, y: at.y } : undefined);
       return;
     }
     const target = viewport.pick(event.clientX, event.clientY)?.character ?? session.state.document?.characters.find((c) => c.mechanism === entry.mechanism)?.id;
     if (target) append_motion(target, entry.id);
-    else if (entry.mechanism) add_character(entry.mechanism, undefined, entry.id);
+    else if (entry.mechanism) void add_character(entry.mechanism, undefined, entry.id);
   };
 
   return (

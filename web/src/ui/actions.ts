@@ -1,9 +1,10 @@
 /** All commands of the page: id, label, keys, and the function that runs. */
-import { content_end, find_character, find_clip, find_event, free_name, free_place, track_end, type Clip, type Command } from '../core/document';
+import { content_end, find_character, find_clip, find_event, fit_blends, free_name, free_place, track_end, with_room, type Clip, type ClipFields, type Command } from '../core/document';
 import type { AppCommand } from '../core/commands';
 import { reads_anything } from '../core/play_controls';
 import type { StudioState, ViewOptions } from '../core/state';
 import { RequestError, type ServiceError } from '../core/protocol';
+import { lowest_point } from '../view/character_view';
 import { access, circuit, parts, registry, session } from './app';
 
 const state = (): StudioState => session.state;
@@ -35,9 +36,24 @@ function remove_selection(): void {
 
 function add_copy(character: string, clip: Clip, start: number): void {
   const { id: _id, ...fields } = clip;
-  const id = session.fresh_id('k');
-  void session.edit({ type: 'clip.add', character, ...fields, start, id }).then((ok) => {
-    if (ok) session.select({ kind: 'clip', character, clip: id });
+  insert_clip(character, { ...fields, start, id: session.fresh_id('k') });
+}
+
+/** Adds a clip and selects it. The scenario becomes longer if the clip ends after it; if the clip overlaps others, the overlap is the cross-fade. */
+function insert_clip(character: string, clip: ClipFields & { id: string; motion: string; start: number }): void {
+  const { document } = state();
+  const track = document && find_character(document, character)?.track;
+  if (!document || !track) return;
+  const length = clip.length ?? 0;
+  const added = { offset: 0, speed: 1, blend: 0.3, loop: false, ...clip, length };
+  const blends = length > 0 ? fit_blends(character, track, [...track, added]) : [];
+  const commands: Command[] = [{ type: 'clip.add', character, ...clip }, ...blends];
+  // without a motion the place is that of the neutral pose, with one it is a point of the floor
+  const { mechanism, place } = find_character(document, character)!;
+  if (track.length === 0 && place.z !== 0 && Math.abs(place.z - standing_height(mechanism)) < 2e-3) commands.unshift({ type: 'character.set', id: character, place: { z: ground_height() } });
+  const command: Command = commands.length > 1 ? { type: 'group', label: 'Add clip', commands } : commands[0]!;
+  void session.edit(with_room(document, command, clip.start + length, 'Add clip')).then((ok) => {
+    if (ok) session.select({ kind: 'clip', character, clip: clip.id });
   });
 }
 
@@ -83,13 +99,20 @@ export function add_motion(character: string, motion: string, start: number): vo
     session.fail(new Error(`“${entry.name}” is a motion for another mechanism than that of ${target.name}. Choose a character with the motion's mechanism.`));
     return;
   }
-  const id = session.fresh_id('k');
-  void session.edit({ type: 'clip.add', character, motion, start, id, ...(entry?.duration ? { length: entry.duration } : {}) }).then((ok) => {
-    if (ok) session.select({ kind: 'clip', character, clip: id });
-  });
+  insert_clip(character, { motion, start, id: session.fresh_id('k'), ...(entry?.duration ? { length: entry.duration } : {}) });
 }
 
-export function add_character(mechanism: string, place?: { x: number; y: number }, motion?: string): void {
+const ground_height = (): number => state().document?.ground?.height ?? 0;
+
+/** Height at which a mechanism in its neutral pose stands on the floor, m; that of the floor if the mechanism is not loaded. */
+function standing_height(mechanism: string): number {
+  const data = state().mechanisms[mechanism];
+  return ground_height() - (data ? Math.round(lowest_point(data) * 1000) / 1000 : 0);
+}
+
+/** Adds a character that stands on the floor at `place` (m), or beside the others if there is no room. @param motion its first clip */
+export async function add_character(mechanism: string, place?: { x: number; y: number }, motion?: string): Promise<void> {
+  if (!motion) await session.need_mechanism(mechanism);
   const entry = session.entry(mechanism);
   const id = session.fresh_id('c');
   const { document } = state();
@@ -97,7 +120,7 @@ export function add_character(mechanism: string, place?: { x: number; y: number 
   const wanted = place ?? { x: 0, y: 0 };
   const position = document ? free_place(document, wanted) : wanted;
   const round = (v: number): number => Math.round(v * 100) / 100;
-  const add: Command = { type: 'character.add', mechanism, id, name, place: { x: round(position.x), y: round(position.y) } };
+  const add: Command = { type: 'character.add', mechanism, id, name, place: { x: round(position.x), y: round(position.y), ...(motion ? {} : { z: standing_height(mechanism) }) } };
   const length = motion ? session.entry(motion)?.duration : undefined;
   const command: Command = motion
     ? { type: 'group', label: `Add ${name}`, commands: [add, { type: 'clip.add', character: id, motion, start: 0, ...(length ? { length } : {}) }] }
@@ -167,6 +190,20 @@ const look_from = (azimuth: number, elevation: number) => (): void => {
   parts.viewport?.invalidate();
 };
 
+const key_step = 24; // px: a key turns or moves the view as a drag of this length does
+/** @param action how a drag by (dx, dy) px acts on the view */
+const move_view = (action: 'orbit' | 'pan', dx: number, dy: number) => (): void => {
+  const { viewport } = parts;
+  if (!viewport) return;
+  if (action === 'orbit') viewport.rig.orbit(dx, dy);
+  else viewport.rig.pan(dx, dy, viewport.size.height);
+  viewport.invalidate();
+};
+const zoom_view = (factor: number) => (): void => {
+  parts.viewport?.rig.zoom(factor);
+  parts.viewport?.invalidate();
+};
+
 const commands: AppCommand[] = [
   { id: 'file.save', label: 'Save', group: 'Project', keys: ['Ctrl+S'], enabled: has_document, run: () => session.save() },
   { id: 'file.save_as', label: 'Save as…', group: 'Project', keys: ['Ctrl+Shift+S'], enabled: has_document, run: () => session.set({ dialog: 'save_as' }) },
@@ -180,8 +217,8 @@ const commands: AppCommand[] = [
     ['csv', 'a table of the simulated motion', '.csv'],
   ] as const).map(([form, what, ending]): AppCommand => ({ id: `file.export_${form}`, label: `Export as ${what}…`, group: 'Project', enabled: has_document, run: () => void export_as(form, ending) })),
 
-  { id: 'edit.undo', label: 'Undo', group: 'Edit', keys: ['Ctrl+Z'], enabled: () => state().can_undo, run: () => session.undo() },
-  { id: 'edit.redo', label: 'Redo', group: 'Edit', keys: ['Ctrl+Shift+Z', 'Ctrl+Y'], enabled: () => state().can_redo, run: () => session.redo() },
+  { id: 'edit.undo', repeats: true, label: 'Undo', group: 'Edit', keys: ['Ctrl+Z'], enabled: () => state().can_undo, run: () => session.undo() },
+  { id: 'edit.redo', repeats: true, label: 'Redo', group: 'Edit', keys: ['Ctrl+Shift+Z', 'Ctrl+Y'], enabled: () => state().can_redo, run: () => session.redo() },
   { id: 'edit.remove', label: 'Delete selection', group: 'Edit', keys: ['Delete', 'Backspace'], blender: ['X'], enabled: () => !['none', 'entry'].includes(state().selection.kind), run: remove_selection },
   { id: 'edit.duplicate', label: 'Duplicate', group: 'Edit', keys: ['Ctrl+D'], blender: ['Shift+D'], enabled: () => !['none', 'entry'].includes(state().selection.kind), run: duplicate },
   { id: 'edit.copy', label: 'Copy clip', group: 'Edit', keys: ['Ctrl+C'], enabled: () => selected_clip() !== null, run: () => { copied = selected_clip(); } },
@@ -211,8 +248,8 @@ const commands: AppCommand[] = [
   { id: 'play.toggle', label: 'Play or pause', group: 'Transport', keys: ['Space'], enabled: has_document, run: () => session.toggle_play() },
   { id: 'play.start', label: 'Go to start', group: 'Transport', keys: ['Shift+ArrowLeft', 'Ctrl+Home'], enabled: has_document, run: () => session.seek(0) },
   { id: 'play.end', label: 'Go to end', group: 'Transport', keys: ['Shift+ArrowRight', 'Ctrl+End'], enabled: has_document, run: () => session.seek(state().transport.mode === 'simulate' && state().transport.simulated > 0 ? state().transport.simulated : content_end(state().document!) || state().document!.duration) },
-  { id: 'play.back', label: 'One frame back', group: 'Transport', keys: ['ArrowLeft', ','], enabled: has_document, run: () => session.step(-1) },
-  { id: 'play.on', label: 'One frame forward', group: 'Transport', keys: ['ArrowRight', '.'], enabled: has_document, run: () => session.step(1) },
+  { id: 'play.back', repeats: true, label: 'One frame back', group: 'Transport', keys: ['ArrowLeft', ','], enabled: has_document, run: () => session.step(-1) },
+  { id: 'play.on', repeats: true, label: 'One frame forward', group: 'Transport', keys: ['ArrowRight', '.'], enabled: has_document, run: () => session.step(1) },
   { id: 'play.restart', label: 'Restart the simulation', group: 'Transport', keys: ['Shift+R'], enabled: () => state().transport.mode === 'simulate', run: () => session.restart() },
   { id: 'mode.toggle', label: 'Switch between Edit and Simulate', group: 'Transport', keys: ['`'], industry: ['Q'], enabled: has_document, run: () => session.set_mode(state().transport.mode === 'edit' ? 'simulate' : 'edit') },
   { id: 'play.controls', label: 'Play controls: send keys, mouse and gamepad to the content', group: 'Transport', keys: ['Shift+Space'], enabled: () => reads_anything(session.controls.devices), run: enter_controls },
@@ -229,6 +266,12 @@ const commands: AppCommand[] = [
   { id: 'view.assist', label: 'Show or hide the root-assist arrow', group: 'View', run: toggle('assist') },
   { id: 'view.front', label: 'View from the front', group: 'View', keys: ['1'], run: look_from(0, 0.02) },
   { id: 'view.left', label: 'View from the left', group: 'View', keys: ['3'], run: look_from(Math.PI / 2, 0.02) },
+  ...([['left', 'ArrowLeft', 1, 0], ['right', 'ArrowRight', -1, 0], ['up', 'ArrowUp', 0, 1], ['down', 'ArrowDown', 0, -1]] as const).flatMap(([way, key, x, y]): AppCommand[] => [
+    { id: `view.orbit_${way}`, label: `Turn the camera ${way}`, group: 'View', keys: [`Ctrl+${key}`], repeats: true, run: move_view('orbit', x * key_step, y * key_step) },
+    { id: `view.pan_${way}`, label: `Move the camera ${way}`, group: 'View', keys: [`Ctrl+Shift+${key}`], repeats: true, run: move_view('pan', x * key_step, y * key_step) },
+  ]),
+  { id: 'view.nearer', label: 'Move the camera nearer', group: 'View', keys: ['+', '='], repeats: true, run: zoom_view(0.9) },
+  { id: 'view.farther', label: 'Move the camera farther away', group: 'View', keys: ['-'], repeats: true, run: zoom_view(1 / 0.9) },
   { id: 'view.top', label: 'View from above', group: 'View', keys: ['7'], run: look_from(-Math.PI / 2, 1.55) },
 
   { id: 'circuit.add', label: 'Add an LSI…', group: 'Circuit', enabled: has_canvas, run: () => parts.circuit?.open_search() },

@@ -1,7 +1,8 @@
 /** Overlays of the page: command palette, keyboard shortcuts, save-as, toasts and banners. */
-import { useEffect, useRef, useState, type ReactElement } from 'react';
+import { useEffect, useLayoutEffect, useRef, useState, type ReactElement } from 'react';
 import { show_key } from '../core/keymap';
-import { registry, session, useStudio } from './app';
+import { code_in } from '../core/access';
+import { access, registry, session, useStudio } from './app';
 import { Icon } from './icons';
 
 const close = (): void => session.set({ dialog: 'none' });
@@ -159,7 +160,7 @@ function Keys(): ReactElement {
         </div>
         <div className="keys-columns">
           <section>
-            <h4>Mouse</h4>
+            <h3>Mouse</h3>
             {[...mouse[keymap], ...mouse_both].map(([action, gesture]) => (
               <div key={action} className="key-row">
                 <span>{action}</span>
@@ -171,7 +172,7 @@ function Keys(): ReactElement {
             const rows = registry.all().filter((c) => c.group === group && registry.keys_of(c, keymap).length > 0);
             return rows.length === 0 ? null : (
               <section key={group}>
-                <h4>{group}</h4>
+                <h3>{group}</h3>
                 {rows.map((command) => (
                   <div key={command.id} className="key-row">
                     <span>{command.label}</span>
@@ -244,8 +245,27 @@ function SaveAs(): ReactElement {
 
 export function Toasts(): ReactElement {
   const toasts = useStudio((s) => s.toasts);
+  const region = useRef<HTMLDivElement>(null);
+  // over the viewport, where they hide no controls; at the lower right of the page while the viewport is not visible
+  useLayoutEffect(() => {
+    const viewport = document.querySelector('.viewport');
+    const element = region.current;
+    if (!viewport || !element || toasts.length === 0) return;
+    const place = (): void => {
+      const box = viewport.getBoundingClientRect();
+      const visible = box.width > 200 && box.height > 120;
+      element.style.left = visible ? `${box.left}px` : '';
+      element.style.right = visible ? 'auto' : '';
+      element.style.bottom = visible ? `${window.innerHeight - box.bottom}px` : '';
+      element.style.maxWidth = visible ? `${box.width}px` : '';
+    };
+    place();
+    const observer = new ResizeObserver(place);
+    observer.observe(viewport);
+    return () => observer.disconnect();
+  }, [toasts.length > 0]);
   return (
-    <div className="toasts" role="region" aria-label="Messages">
+    <div ref={region} className="toasts" role="region" aria-label="Messages">
       {toasts.map((toast) => (
         <div key={toast.id} className={`toast ${toast.level}`} role={toast.level === 'error' ? 'alert' : 'status'}>
           <div>
@@ -267,6 +287,33 @@ export function Toasts(): ReactElement {
   );
 }
 
+/** Asks for the newly printed address after a restart of the studio with another key. The page keeps its state meanwhile. */
+function EnterAddress(): ReactElement {
+  const [text, set_text] = useState('');
+  const [wrong, set_wrong] = useState(false);
+  const enter = async (): Promise<void> => {
+    const entry = await access.enter_code(code_in(text));
+    if (entry === 'open') session.retry();
+    else set_wrong(true);
+  };
+  return (
+    <form
+      className="banner"
+      role="alert"
+      onSubmit={(e) => {
+        e.preventDefault();
+        void enter();
+      }}
+    >
+      <span>
+        {wrong ? 'The studio does not accept this address.' : 'The studio was restarted and no longer accepts this page. It keeps your project.'} Paste the address that <code>ugoki studio</code> printed last:
+      </span>
+      <input className="address" aria-label="Address that ugoki studio printed last" value={text} spellCheck={false} autoFocus onChange={(e) => set_text(e.target.value)} />
+      <button type="submit" disabled={!text.trim()}>Connect</button>
+    </form>
+  );
+}
+
 export function Banners(): ReactElement | null {
   const connection = useStudio((s) => s.connection);
   const stopped = useStudio((s) => s.stopped);
@@ -279,6 +326,7 @@ export function Banners(): ReactElement | null {
     const timer = setInterval(tick, 250);
     return () => clearInterval(timer);
   }, [connection, retry_at]);
+  if (connection === 'refused') return <EnterAddress />;
   if (connection === 'lost') {
     return (
       <div className="banner" role="alert">

@@ -35,12 +35,10 @@ void access.enter().then((entry) => {
   root.render(<App />);
   session.start();
   // a lost connection may mean that the studio was restarted with another key
-  const stop = session.store.subscribe((state, before) => {
+  session.store.subscribe((state, before) => {
     if (state.connection !== 'lost' || state.retry_at === before.retry_at) return;
     void access.check().then((now) => {
-      if (now === 'open') return;
-      stop();
-      session.notify('This page has no access to the studio any more. Open the address that `ugoki studio` printed last.', 'error');
+      if (now === 'refused') session.refuse();
     });
   });
 });

@@ -1,6 +1,6 @@
 import { useLayoutEffect, useRef, type ReactElement } from 'react';
 import { CharacterState } from '../core/frames';
-import { apply_command, blend_spans, find_character, type Character, type Clip, type ScenarioDocument, type ScenarioEvent } from '../core/document';
+import { apply_command, blend_spans, find_character, fit_blends, type Character, type Clip, type Command, type ScenarioDocument, type ScenarioEvent } from '../core/document';
 import { format_number, format_time } from '../core/format';
 import { changed_fields, drag_clip, ends_moving, move_clip, snap_delta, snap_targets, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
 import { shown_document } from '../core/state';
@@ -9,6 +9,9 @@ import { desk, plain_canvas, session, useDesk, usePage, useStudio } from './app'
 
 const edge_px = 7; // width of the zone at a clip's edge in which a drag trims the clip
 const snap_px = 8; // distance, px, within which a dragged edge snaps to a target
+const min_text_px = 90; // width of a pill from which on its text is inside it, instead of after it
+const min_pill_px = 8; // width of the pill of an event without duration, so that it can be dragged
+const longest_blend = 60; // s, as docs/scenario.md allows
 const drag_px = 3; // pointer travel, px, below which a press is a click
 
 /** The preview of a dragged clip or library entry on a track. */
@@ -147,29 +150,30 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
       </button>
       <div
         className="lane"
-        role="list"
-        aria-label={`Clips of ${character.name}`}
         onPointerDown={(e) => {
           if (e.button === 0 && e.target === e.currentTarget) session.select({ kind: 'character', character: character.id });
         }}
       >
-        {character.track.map((clip) => {
-          const entry = session.entry(clip.motion);
-          return (
-            <ClipBox
-              key={clip.id}
-              character={character.id}
-              clip={clip}
-              name={entry?.name ?? clip.motion}
-              motion_duration={entry?.duration}
-              view={view}
+        <div className="items" role="list" aria-label={`Clips of ${character.name}`}>
+          {character.track.map((clip) => {
+            const entry = session.entry(clip.motion);
+            return (
+              <ClipBox
+                key={clip.id}
+                character={character.id}
+                clip={clip}
+                name={entry?.name ?? clip.motion}
+                motion_duration={entry?.duration}
+                view={view}
+                blended={character.track.some((other) => other.id !== clip.id && other.start < clip.start)}
               covered={Math.max(0, ...blends.filter((b) => b.into === clip.id).map((b) => b.to - b.from))}
-              selected={selection.kind === 'clip' && selection.clip === clip.id && selection.character === character.id}
-              on_guide={on_guide}
-              on_ghost={on_ghost}
-            />
-          );
-        })}
+                selected={selection.kind === 'clip' && selection.clip === clip.id && selection.character === character.id}
+                on_guide={on_guide}
+                on_ghost={on_ghost}
+              />
+            );
+          })}
+        </div>
         {blends.map((span) => (
           <svg
             key={span.into}
@@ -189,7 +193,7 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
             style={{ left: time_to_x(view, unfinished.time) }}
             title="The track ends during a movement; the character then holds the last pose. End the track with a motion that stands still, or loop the last clip to the end."
           >
-            ends at {format_number(unfinished.speed, 1)} m/s: the character will fall
+            ends at {format_number(unfinished.speed, 1)} m/s: the character may fall
           </span>
         )}
         {ghost && (
@@ -203,12 +207,21 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
   );
 }
 
+/** `command` together with the changes of cross-fades that its changes of overlaps require. */
+function with_blends(document: ScenarioDocument, command: Extract<Command, { type: 'clip.set' }>): Command {
+  const track = (doc: ScenarioDocument): Clip[] => find_character(doc, command.character)?.track ?? [];
+  const blends = fit_blends(command.character, track(document), track(apply_command(document, command)));
+  return blends.length > 0 ? { type: 'group', label: 'Move clip', commands: [command, ...blends] } : command;
+}
+
 interface ClipBoxProps {
   character: string;
   clip: Clip;
   name: string;
   motion_duration: number | undefined;
   view: TimeView;
+  /** True: another clip begins before this clip, which therefore begins with a cross-fade. */
+  blended: boolean;
   /** Time at the start of the clip that overlaps the previous clip, s; the clip's name is drawn after it. */
   covered: number;
   selected: boolean;
@@ -216,7 +229,7 @@ interface ClipBoxProps {
   on_ghost: (ghost: DropGhost | null) => void;
 }
 
-function ClipBox({ character, clip, name, motion_duration, view, covered, selected, on_guide, on_ghost }: ClipBoxProps): ReactElement {
+function ClipBox({ character, clip, name, motion_duration, view, blended, covered, selected, on_guide, on_ghost }: ClipBoxProps): ReactElement {
   const width = Math.max(4, clip.length * view.scale);
 
   const kind_at = (event: React.PointerEvent<HTMLElement>): ClipDragKind => {
@@ -235,7 +248,7 @@ function ClipBox({ character, clip, name, motion_duration, view, covered, select
     const document = session.state.document;
     const origin = document && find_character(document, character)?.track.find((k) => k.id === clip.id);
     if (!document || !origin) return;
-    let fields: ReturnType<typeof changed_fields> = null;
+    let command: Command | null = null;
     let other: DropGhost | null = null; // preview on another character's track while the clip is over that track
     start_drag({
       event,
@@ -248,8 +261,9 @@ function ClipBox({ character, clip, name, motion_duration, view, covered, select
         const fits = target?.mechanism === find_character(document, character)?.mechanism;
         other = target ? { entry: clip.motion, character: target.id, start: result.fields.start ?? clip.start, length: clip.length, refused: !fits, name } : null;
         on_ghost(other);
-        fields = other ? null : changed_fields(origin, result.fields);
-        session.show_preview(fields ? apply_command(document, { type: 'clip.set', character, id: clip.id, ...fields }) : null);
+        const fields = other ? null : changed_fields(origin, result.fields);
+        command = fields && with_blends(document, { type: 'clip.set', character, id: clip.id, ...fields });
+        session.show_preview(command && apply_command(document, command));
       },
       done: () => {
         on_guide(null);
@@ -257,12 +271,41 @@ function ClipBox({ character, clip, name, motion_duration, view, covered, select
         if (other && !other.refused) {
           const { character: to, start } = other;
           void session.edit(move_clip(origin, character, to!, start)).then((ok) => ok && session.select({ kind: 'clip', character: to!, clip: origin.id }));
-        } else if (fields) void session.edit({ type: 'clip.set', character, id: clip.id, ...fields });
+        } else if (command) void session.edit(command);
         else session.show_preview(null);
       },
       cancel: () => {
         on_guide(null);
         on_ghost(null);
+        session.show_preview(null);
+      },
+    });
+  };
+
+  /** Drags the end of the cross-fade. */
+  const drag_blend = (event: React.PointerEvent<HTMLElement>): void => {
+    const document = session.state.document;
+    if (event.button !== 0 || !document) return;
+    event.stopPropagation();
+    session.select({ kind: 'clip', character, clip: clip.id });
+    let command: Command | null = null;
+    start_drag({
+      event,
+      scale: view.scale,
+      move: (delta, rules) => {
+        const end = clip.start + clip.blend;
+        const snapped = snap_delta([end], delta, rules(document, clip.id));
+        on_guide(snapped.at);
+        const blend = Math.round(Math.min(clip.length, longest_blend, Math.max(0, clip.blend + snapped.delta)) * 1e6) / 1e6;
+        command = { type: 'clip.set', character, id: clip.id, blend };
+        session.show_preview(apply_command(document, command));
+      },
+      done: () => {
+        on_guide(null);
+        if (command) void session.edit(command);
+      },
+      cancel: () => {
+        on_guide(null);
         session.show_preview(null);
       },
     });
@@ -306,7 +349,8 @@ function ClipBox({ character, clip, name, motion_duration, view, covered, select
         else menu(Math.max(box.left, 0) + 8, box.bottom);
       }}
     >
-      {clip.blend > 0 && clip.start > 0 && <span className="fade" style={{ width: Math.min(width, clip.blend * view.scale) }} />}
+      {blended && clip.blend > 0 && <span className="fade" style={{ width: Math.min(width, clip.blend * view.scale) }} />}
+      {blended && <span className="fade-handle" title={`Cross-fade of ${format_number(clip.blend)} s: drag to change`} style={{ left: Math.max(edge_px + 5, Math.min(width - edge_px - 5, clip.blend * view.scale)) }} onPointerDown={drag_blend} onPointerMove={(e) => e.stopPropagation()} />}
       {loop_marks.map((x) => (
         <span key={x} className="loop-mark" style={{ left: x }} />
       ))}
@@ -381,10 +425,12 @@ export function EventTrack({ doc, view, on_guide }: { doc: ScenarioDocument; vie
         <span className="dot" style={{ background: 'var(--event)' }} />
         <span className="label">Events</span>
       </div>
-      <div className="lane" role="list" aria-label="Events">
-        {doc.events.map((event) => (
-          <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={selection.kind === 'event' && selection.event === event.id} />
-        ))}
+      <div className="lane">
+        <div className="items" role="list" aria-label="Events">
+          {doc.events.map((event) => (
+            <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={selection.kind === 'event' && selection.event === event.id} />
+          ))}
+        </div>
         {doc.events.length === 0 && <span className="hint">Shift P adds a push at the playhead</span>}
       </div>
     </div>
@@ -425,14 +471,14 @@ function EventPill({ event, doc, view, selected, on_guide }: { event: ScenarioEv
     <div
       role="listitem"
       tabIndex={0}
-      className={selected ? `pill ${event.type} selected` : `pill ${event.type}`}
+      className={`pill ${event.type}${selected ? ' selected' : ''}${(event.duration ?? 0) * view.scale < min_text_px ? ' short' : ''}`}
       aria-label={`${text}, at ${format_time(event.time)}`}
       title={`${text}\nat ${format_number(event.time)} s`}
-      style={{ left: time_to_x(view, event.time) }}
+      style={{ left: time_to_x(view, event.time), width: Math.max(min_pill_px, (event.duration ?? 0) * view.scale) }}
       onPointerDown={down}
       onFocus={() => session.select({ kind: 'event', event: event.id })}
     >
-      {text}
+      <span className="pill-text">{text}</span>
     </div>
   );
 }

@@ -4,6 +4,7 @@ import * as THREE from 'three';
 const field_of_view = 36; // vertical angle of view, degrees
 const smooth_time = 0.09; // time constant of the camera's motion, s
 const border = 0.09; // margin on each side of framed objects, as a fraction of the view's width and height
+const min_height = 0.05; // m, of the camera above the floor while the view is orbited
 const follow_time = 0.28; // time constant with which the camera follows a character, s
 
 /** Position of the camera in spherical coordinates around a target. */
@@ -29,6 +30,8 @@ export class CameraRig {
   private aspect = 1;
   /** Smoothed position of the followed point; null: no point is followed. */
   private followed: THREE.Vector3 | null = null;
+  /** What `followed` belongs to. */
+  private followed_object: unknown = null;
   private readonly follow_goal = new THREE.Vector3();
 
   constructor() {
@@ -50,10 +53,12 @@ export class CameraRig {
     this.apply();
   }
 
-  /** @param dx, dy movement of the pointer, px */
+  /** Turns the view. The camera stays above the floor, unless it was below it before. @param dx, dy movement of the pointer, px */
   orbit(dx: number, dy: number): void {
-    this.goal.azimuth -= dx * 0.0075;
-    this.goal.elevation = clamp(this.goal.elevation + dy * 0.0065, -1.45, 1.55);
+    const { goal } = this;
+    goal.azimuth -= dx * 0.0075;
+    const lowest = Math.asin(clamp((min_height - goal.target.z) / goal.distance, -0.99, 0.99));
+    goal.elevation = clamp(goal.elevation + dy * 0.0065, goal.elevation >= lowest - 1e-9 ? Math.max(-1.45, lowest) : -1.45, 1.55);
   }
 
   /**
@@ -123,14 +128,18 @@ export class CameraRig {
     }
   }
 
-  /** Moves the view along with `point` (m); null stops following. The offset of the view from the point is kept. */
-  follow(point: THREE.Vector3 | null): void {
+  /**
+   * Moves the view along with `point` (m); null stops following. The offset of the view from the point is kept.
+   * @param object what the point belongs to; if it changes, the view does not move to the new point but moves along with it from then on
+   */
+  follow(point: THREE.Vector3 | null, object: unknown = null): void {
     if (!point) {
       this.followed = null;
       return;
     }
     this.follow_goal.copy(point);
-    if (!this.followed) this.followed = point.clone();
+    if (!this.followed || this.followed_object !== object) this.followed = point.clone();
+    this.followed_object = object;
   }
 
   /** Advances the smoothed motion by `dt` s. @return whether the camera moved */

@@ -166,6 +166,21 @@ function set_pose(mesh: THREE.Mesh | null | undefined, values: ArrayLike<number>
   mesh.matrixWorldNeedsUpdate = true;
 }
 
+/** Height of the lowest point of a mechanism in its neutral pose, m; 0 without shapes. */
+export function lowest_point(mechanism: MechanismData): number {
+  const box = new THREE.Box3();
+  mechanism_geometries(mechanism).forEach((geometry, i) => {
+    if (!geometry) return;
+    const [x = 0, y = 0, z = 0, qw = 1, qx = 0, qy = 0, qz = 0] = mechanism.links[i]!.neutral ?? [];
+    const pose = new THREE.Matrix4().compose(new THREE.Vector3(x, y, z), new THREE.Quaternion(qx, qy, qz, qw), new THREE.Vector3(1, 1, 1));
+    const points = geometry.getAttribute('position');
+    const point = new THREE.Vector3();
+    for (let k = 0; k < points.count; k++) box.expandByPoint(point.fromBufferAttribute(points, k).applyMatrix4(pose));
+    geometry.dispose();
+  });
+  return box.isEmpty() ? 0 : box.min.z;
+}
+
 /** A ghost: the character at another time as an even, transparent silhouette. Depth is drawn first, so that inner surfaces stay hidden. */
 export class Ghost {
   readonly group = new THREE.Group();

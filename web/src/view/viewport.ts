@@ -16,6 +16,7 @@ import { Stage } from './stage';
 
 const ghost_offsets = [-0.8, -0.4, 0.4, 0.8]; // times of the ghosts relative to the current frame, s
 const trail_seconds = 4; // time span of a trail, s
+const reach = 10; // px: distance from the pointer up to which a link is found
 const max_contact_arrows = 48; // maximum number of contacts that are drawn with arrows
 
 /** The objects drawn for one character. */
@@ -122,13 +123,23 @@ export class Viewport {
 
   // ---- picking and projection ----
 
-  /** The link at a point of the page, or null. @param client_x, client_y px */
+  /** The link at a point of the page, or otherwise a link at most `reach` px away, or null. @param client_x, client_y px */
   pick(client_x: number, client_y: number): Pick | null {
-    this.aim(client_x, client_y);
-    const meshes: THREE.Object3D[] = [];
-    for (const entry of this.drawn.values()) meshes.push(entry.character_view.group);
-    const hit = this.raycaster.intersectObjects(meshes, true)[0];
-    return hit ? { ...(hit.object.userData as LinkTag), point: hit.point.clone() } : null;
+    const groups = [...this.drawn.values()].map((entry) => entry.character_view.group);
+    const look = (dx: number, dy: number): Pick | null => {
+      this.aim(client_x + dx, client_y + dy);
+      const hit = this.raycaster.intersectObjects(groups, true)[0];
+      return hit ? { ...(hit.object.userData as LinkTag), point: hit.point.clone() } : null;
+    };
+    const exact = look(0, 0);
+    if (exact) return exact;
+    for (const radius of [reach / 2, reach]) {
+      for (let i = 0; i < 8; i++) {
+        const near = look(radius * Math.cos((i * Math.PI) / 4), radius * Math.sin((i * Math.PI) / 4));
+        if (near) return near;
+      }
+    }
+    return null;
   }
 
   /** Intersection of the ray under the pointer with a plane, m; null if the ray does not meet it. */
@@ -384,7 +395,7 @@ export class Viewport {
     const character_frame = frame.characters[characters.findIndex((c) => c.id === id)];
     if (!character_frame) return this.rig.follow(null);
     const [x, y, z] = centre_of_mass(frame, character_frame);
-    this.rig.follow(new THREE.Vector3(x, y, z));
+    this.rig.follow(new THREE.Vector3(x, y, z), id);
   }
 
   private draw_overlays(frame: Frame | null): void {

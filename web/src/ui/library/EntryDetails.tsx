@@ -33,12 +33,12 @@ export function EntryDetails({ entry, doc }: { entry: LibraryEntry; doc: Scenari
       <p className="facts">{describe_entry(entry)}</p>
       <div className="actions column first">
         {in_trash && <button type="button" onClick={() => void library.undelete(entry)}>Restore to the library</button>}
-        {entry.kind === 'mechanism' && !in_trash && <button type="button" onClick={() => add_character(entry.id)}>Add to the scenario</button>}
+        {entry.kind === 'mechanism' && !in_trash && <button type="button" onClick={() => void add_character(entry.id)}>Add to the scenario</button>}
         {!in_trash && fits.map((c) => (
           <button key={c.id} type="button" onClick={() => append_motion(c.id, entry.id)}>Add to {c.name}’s track</button>
         ))}
         {entry.kind === 'motion' && entry.mechanism && !in_trash && (
-          <button type="button" onClick={() => add_character(entry.mechanism!, undefined, entry.id)}>Add a new character with this motion</button>
+          <button type="button" onClick={() => void add_character(entry.mechanism!, undefined, entry.id)}>Add a new character with this motion</button>
         )}
       </div>
       {in_library && !in_trash && <Name key={`${key_of(entry)} ${entry.name}`} entry={entry} />}

@@ -1,12 +1,11 @@
 /** The library panel: search, filters, the list of entries, the trash; files dropped on it are imported. */
-import { useEffect, useLayoutEffect, useMemo, useRef, useState, type DragEvent, type KeyboardEvent, type ReactElement } from 'react';
+import { useEffect, useLayoutEffect, useMemo, useRef, useState, type KeyboardEvent, type ReactElement } from 'react';
 import type { KindFilter, LibraryOrder } from '../../core/library/browser';
 import { key_of } from '../../core/library/words';
 import type { LibraryEntry } from '../../core/protocol';
 import { imports, library, parts, session, useLibrary, useStudio } from '../app';
 import { Icon } from '../icons';
 import { Card, entry_actions, use_entry } from './cards';
-import { files_of } from './files';
 
 const kinds: [KindFilter, string][] = [['all', 'All'], ['mechanism', 'Mechanisms'], ['motion', 'Motions']];
 const orders: [LibraryOrder, string][] = [['newest', 'Newest'], ['oldest', 'Oldest'], ['longest', 'Longest'], ['shortest', 'Shortest']];
@@ -25,7 +24,6 @@ export function LibraryPanel(): ReactElement {
   const query = useLibrary((s) => s.query);
   const kind = useLibrary((s) => s.kind);
   const trash = useLibrary((s) => s.trash);
-  const [file_over, set_file_over] = useState(false);
   const [look, set_look] = useState(stored_look);
   const files = useRef<HTMLInputElement>(null);
   const search = useRef<HTMLInputElement>(null);
@@ -34,7 +32,6 @@ export function LibraryPanel(): ReactElement {
     void library.load();
   }, []);
 
-  const has_files = (event: DragEvent): boolean => event.dataTransfer.types.includes('Files');
   const change_look = (): void => {
     const next = look === 'list' ? 'grid' : 'list';
     set_look(next);
@@ -46,22 +43,7 @@ export function LibraryPanel(): ReactElement {
   };
   return (
     <div
-      className={file_over ? 'panel library file-over' : 'panel library'}
-      onDragOver={(e) => {
-        if (!has_files(e)) return;
-        e.preventDefault();
-        set_file_over(true);
-      }}
-      onDragLeave={(e) => {
-        if (!e.currentTarget.contains(e.relatedTarget as Node | null)) set_file_over(false);
-      }}
-      onDrop={(e) => {
-        set_file_over(false);
-        if (!has_files(e)) return;
-        e.preventDefault();
-        e.stopPropagation();
-        void files_of(e.dataTransfer).then((all) => imports.add(all));
-      }}
+      className="panel library"
       onKeyDown={(e) => {
         if ((e.ctrlKey || e.metaKey) && e.key.toLowerCase() === 'z' && !e.shiftKey && (e.target as HTMLElement).tagName !== 'INPUT' && library.state.done) {
           e.preventDefault();

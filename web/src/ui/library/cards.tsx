@@ -11,13 +11,13 @@ import { character_color, drawn_picture, moving, preview_renderer, stored_path, 
 /** Adds an entry to the scenario, as a double click does: a mechanism as a character, a motion at the end of a track with its mechanism. */
 export function use_entry(entry: LibraryEntry): void {
   library.forget_done(); // the next Undo applies to this command, not to the last change of the library
-  if (entry.kind === 'mechanism') return add_character(entry.id);
+  if (entry.kind === 'mechanism') return void add_character(entry.id);
   const { selection, document } = session.state;
   const chosen = selection.kind === 'character' || selection.kind === 'clip' ? selection.character : undefined;
   const fits = document?.characters.filter((c) => !entry.mechanism || c.mechanism === entry.mechanism) ?? [];
   const target = fits.find((c) => c.id === chosen) ?? fits[0];
   if (target) append_motion(target.id, entry.id);
-  else if (entry.mechanism) add_character(entry.mechanism, undefined, entry.id);
+  else if (entry.mechanism) void add_character(entry.mechanism, undefined, entry.id);
 }
 
 interface CardProps {
@@ -43,7 +43,6 @@ export function Card({ entry, index, total, grid, selected, renaming, on_select,
       aria-selected={selected}
       aria-setsize={total}
       aria-posinset={index + 1}
-      aria-label={`${entry.name}, ${entry.kind}, ${describe_entry(entry)}${tags.length > 0 ? `, tags ${tags.join(', ')}` : ''}${in_use ? ', in this scenario' : ''}`}
       className={`entry${grid ? ' tile' : ''}${selected ? ' selected' : ''}${dragging ? ' dragging' : ''}`}
       draggable={!renaming}
       data-entry={key_of(entry)}
@@ -75,7 +74,7 @@ export function Card({ entry, index, total, grid, selected, renaming, on_select,
         </span>
         {!grid && tags.length > 0 && <span className="entry-tags">{tags.join(' · ')}</span>}
       </span>
-      {in_use && <span className="in-use" title="In this scenario" aria-hidden="true" />}
+      {in_use && <span className="in-use" role="img" aria-label="in this scenario" title="In this scenario" />}
     </div>
   );
 }
