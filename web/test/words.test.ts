@@ -1,6 +1,6 @@
 import { describe, expect, it, vi } from 'vitest';
 import { CommandRegistry } from '../src/core/commands';
-import { format_factor, format_number, format_ruler, format_time, parse_number, format_label } from '../src/core/format';
+import { format_factor, format_field, format_number, format_ruler, format_time, parse_number, format_label } from '../src/core/format';
 import { grade, measures, shown_value } from '../src/core/judge';
 import { is_typing, key_of, pointer_action, show_key } from '../src/core/keymap';
 import { describe_entry, format_mass, tags_of } from '../src/core/library/words';
@@ -12,6 +12,7 @@ describe('formatting', () => {
   });
   it('formats numbers without trailing zeros', () => {
     expect([1.2, 4.37, -0.001, 100, NaN].map((v) => format_number(v))).toEqual(['1.2', '4.37', '0', '100', '–']);
+    expect([1.2, 0.0001, -0.00012345, 0, 1e-9].map((v) => format_field(v, 3))).toEqual(['1.2', '0.0001', '-0.000123', '0', '1e-9']);
   });
   it('puts the side first in labels', () => {
     expect(['forearm left', 'pelvis', 'toes_right', 'Left hand', ''].map(format_label)).toEqual(['Left forearm', 'Pelvis', 'Right toes', 'Left hand', '']);

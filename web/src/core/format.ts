@@ -17,6 +17,12 @@ export function format_number(value: number, digits = 2): string {
   return trimmed === '-0' ? '0' : trimmed;
 }
 
+/** A value for a field in which it can be edited: as format_number, but a small value keeps three significant digits instead of becoming 0. */
+export function format_field(value: number, digits = 2): string {
+  const text = format_number(value, digits);
+  return text === '0' && value !== 0 ? String(Number(value.toPrecision(3))) : text;
+}
+
 /** A label of the time ruler: "0", "1 s", "1:30". @param time, label_step in s */
 export function format_ruler(time: number, label_step: number): string {
   const t = Math.round(time * 1000) / 1000;

@@ -1,5 +1,5 @@
 import { useEffect, useId, useRef, useState, type KeyboardEvent, type PointerEvent, type ReactElement } from 'react';
-import { format_number, parse_number } from '../core/format';
+import { format_field, parse_number } from '../core/format';
 import { session } from './app';
 
 export interface NumberFieldProps {
@@ -49,7 +49,7 @@ export function NumberField(props: NumberFieldProps): ReactElement {
     else {
       const taken = clamp(parsed);
       const shown_unit = unit ? ` ${unit}` : '';
-      if (Math.abs(taken - parsed) > 1e-6) session.notify(`${label}: ${format_number(parsed, digits + 1)}${shown_unit} is out of range. The value is now ${format_number(taken, digits + 1)}${shown_unit}, the ${parsed > max ? 'largest' : 'smallest'} possible.`);
+      if (Math.abs(taken - parsed) > 1e-6) session.notify(`${label}: ${format_field(parsed, digits + 1)}${shown_unit} is out of range. The value is now ${format_field(taken, digits + 1)}${shown_unit}, the ${parsed > max ? 'largest' : 'smallest'} possible.`);
       commit(parsed);
     }
   };
@@ -64,7 +64,7 @@ export function NumberField(props: NumberFieldProps): ReactElement {
     } else if (event.key === 'ArrowUp' || event.key === 'ArrowDown') {
       const size = step * (event.shiftKey ? 0.1 : 1) * (event.key === 'ArrowUp' ? 1 : -1) * 5;
       const base = (text !== null ? parse_number(text) : null) ?? shown;
-      set_text(format_number(clamp(base + size), digits + 1));
+      set_text(format_field(clamp(base + size), digits + 1));
       event.preventDefault();
     }
   };
@@ -134,7 +134,7 @@ export function NumberField(props: NumberFieldProps): ReactElement {
             inputMode="decimal"
             autoComplete="off"
             spellCheck={false}
-            value={text ?? format_number(shown, digits)}
+            value={text ?? format_field(shown, digits)}
             onChange={(e) => set_text(e.target.value)}
             onFocus={(e) => e.target.select()}
             onBlur={commit_text}
