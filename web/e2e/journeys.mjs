@@ -4,6 +4,7 @@ import { mkdirSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import assert from 'node:assert/strict';
 import { ready } from './browser.mjs';
+import { accessibility_journeys } from './accessibility.mjs';
 import { circuit_journeys } from './circuit.mjs';
 import { control_journeys } from './controls.mjs';
 import { plugin_journeys } from './plugins.mjs';
@@ -447,6 +448,7 @@ export const journeys = [
       await other.close();
     },
   },
+  ...accessibility_journeys,
   ...repair_journeys,
   ...motion_journeys,
   ...library_journeys,

@@ -16,6 +16,9 @@ export function begin(operation: Operation, target: ClipTarget): void {
 /** An ellipsis after names of operations that open a dialog. */
 const dots = (operation: Operation): string => (asks(operation) ? '…' : '');
 
+/** The name of an operation's button for screen readers: contains the text of the button. */
+const spoken = (operation: Operation): string => (operation.label.toLowerCase().includes(operation.short.toLowerCase()) ? '' : `${operation.short}: `) + operation.label + dots(operation);
+
 export function ClipMenu(): ReactElement | null {
   const menu = useDesk((s) => s.menu);
   const doc = useStudio((s) => s.document);
@@ -60,7 +63,7 @@ export function MotionOperations({ character, clip }: { character: string; clip:
             .map((operation) => {
               const reason = doc ? refusal(operation, doc, character, clip) : null;
               return (
-                <button key={operation.id} type="button" aria-label={operation.label + dots(operation)} title={`${operation.label}: ${reason ?? operation.hint}`} disabled={busy || reason !== null} onClick={() => begin(operation, target)}>
+                <button key={operation.id} type="button" aria-label={spoken(operation)} title={`${operation.label}: ${reason ?? operation.hint}`} disabled={busy || reason !== null} onClick={() => begin(operation, target)}>
                   {operation.short}
                 </button>
               );

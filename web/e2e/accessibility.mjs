@@ -1,0 +1,141 @@
+// Journeys about accessibility and layout: axe-core in both themes, keyboard focus, and window sizes from 1024 x 640 to 4K.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { fileURLToPath } from 'node:url';
+import { mock } from './service.mjs';
+
+const skip = mock && 'the mock service has no library and no circuit';
+const pictures = fileURLToPath(new URL('./out/', import.meta.url));
+const axe_source = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+
+/** Violations that axe-core finds in the page as it is shown, one line for each element. */
+async function violations(page) {
+  if (!(await page.evaluate("typeof axe === 'object'"))) await page.evaluate(axe_source);
+  return page.evaluate(async () => {
+    const { violations: found } = await window.axe.run(document, { resultTypes: ['violations'] });
+    return found.flatMap((v) => v.nodes.map((n) => `${v.id}: ${n.target.join(' ')}: ${[...n.any, ...n.all, ...n.none].map((c) => c.message).join('; ')}`));
+  });
+}
+
+const escape = (page) => page.keyboard.press('Escape');
+
+/** Views: how to open it, and how to leave it. */
+const views = [
+  ['the scenario', (page) => page.locator('.scenario').click({ position: { x: 400, y: 6 } })],
+  ['a selected clip', (page) => page.locator('.clip').first().click()],
+  ['the menu of a clip', (page) => page.locator('.clip').first().click({ button: 'right' }), escape],
+  ['an operation on a motion', async (page) => {
+    await page.locator('.clip').first().click();
+    await page.getByRole('button', { name: 'Follow a path…' }).or(page.locator('.motion-operations button[aria-label$="…"]')).first().click();
+    await page.getByRole('dialog').waitFor();
+  }, escape],
+  ['a selected character', (page) => page.locator('.track-name').first().click()],
+  ['a selected event', (page) => page.locator('.pill').first().click()],
+  ['a library entry', (page) => page.locator('#library-list [role=option]').first().click()],
+  ['the menu of an entry', (page) => page.locator('#library-list [role=option]').first().click({ button: 'right' }), escape],
+  ['the library as tiles', (page) => page.getByRole('button', { name: 'Show as tiles' }).click(), (page) => page.getByRole('button', { name: 'Show as a list' }).click()],
+  ['the trash', (page) => page.getByTitle('Show deleted entries').click(), (page) => page.getByTitle('Show the library').click()],
+  ['a search without a result', (page) => page.getByRole('searchbox', { name: 'Search the library' }).fill('xyzzy'), (page) => page.getByRole('searchbox', { name: 'Search the library' }).fill('')],
+  ['the command palette', (page) => page.keyboard.press('Control+k'), escape],
+  ['the keys', (page) => page.keyboard.press('F1'), escape],
+  ['Save as', (page) => page.keyboard.press('Control+Shift+s'), escape],
+];
+
+/** Widths and heights of the window, CSS px. A window of 1440 x 900 at a zoom of 150 % has 960 x 600 CSS px. */
+const windows = [[1024, 640], [1280, 720], [1440, 900], [960, 600], [3840, 2160]];
+
+/** Controls that something covers or cuts, and texts of the top bar that do not fit. Lists that scroll may cut their rows. */
+const crowded = (page) =>
+  page.evaluate(() => {
+    const bad = [];
+    for (const e of document.querySelectorAll('button, input, select, [role=tab], [role=slider], .clock, .toast')) {
+      const b = e.getBoundingClientRect();
+      if (b.width === 0 || b.height === 0 || getComputedStyle(e).visibility === 'hidden' || e.closest('.cube, .react-flow')) continue;
+      const name = e.getAttribute('aria-label') ?? e.textContent.slice(0, 30);
+      let scrolls = false;
+      let cut = b.left < -1 || b.top < -1 || b.right > innerWidth + 1 || b.bottom > innerHeight + 1;
+      for (let p = e.parentElement; p; p = p.parentElement) {
+        const { overflowX, overflowY } = getComputedStyle(p);
+        const q = p.getBoundingClientRect();
+        if (/auto|scroll/.test(overflowY)) scrolls = true;
+        if (overflowX !== 'visible') cut ||= b.left < q.left - 1 || b.right > q.right + 1;
+        if (overflowY !== 'visible') cut ||= b.top < q.top - 1 || b.bottom > q.bottom + 1;
+      }
+      const at = document.elementFromPoint((b.left + b.right) / 2, (b.top + b.bottom) / 2);
+      if (cut && !scrolls) bad.push(`${name} is cut`);
+      else if (at && !e.contains(at) && !at.contains(e) && !scrolls) bad.push(`${name} is covered by ${at.className || at.tagName}`);
+    }
+    const bar = [...document.querySelectorAll('.topbar button, .topbar select, .topbar .clock, .topbar .brand')].map((e) => ({ e, b: e.getBoundingClientRect() })).filter(({ b }) => b.width > 0);
+    bar.forEach(({ e, b }, i) => {
+      const next = bar[i + 1];
+      if (next && b.right > next.b.left + 0.5 && !e.contains(next.e)) bad.push(`${e.getAttribute('aria-label') ?? e.textContent} overlaps ${next.e.getAttribute('aria-label') ?? next.e.textContent}`);
+    });
+    return bad;
+  });
+
+export const accessibility_journeys = [
+  {
+    name: 'access: axe-core finds no violation in scenario, library, inspector and dialogs, in both themes',
+    async run({ page }) {
+      const found = [];
+      const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
+      const first = await theme();
+      for (let round = 0; round < 2; round++) {
+        for (const [name, open, leave] of views) {
+          await open(page);
+          await page.waitForTimeout(250);
+          for (const line of await violations(page)) found.push(`${name} (${await theme()}): ${line}`);
+          await leave?.(page);
+        }
+        await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+        await page.waitForTimeout(200);
+      }
+      assert.equal(await theme(), first);
+      assert.deepEqual([...new Set(found)], []);
+    },
+  },
+  {
+    name: 'access: a closed menu returns the focus, and arrow keys select tabs',
+    async run({ page }) {
+      const focus = () => page.evaluate(() => document.activeElement?.dataset.clip ?? document.activeElement?.textContent ?? '');
+      const clip = page.locator('.clip').first();
+      await clip.click({ button: 'right' });
+      await clip.focus();
+      await page.keyboard.press('Shift+F10');
+      await page.getByRole('menu').waitFor();
+      await page.keyboard.press('Escape');
+      await page.getByRole('menu').waitFor({ state: 'detached' });
+      assert.equal(await focus(), await clip.getAttribute('data-clip'));
+      await page.getByRole('tab', { name: 'Scenario' }).focus();
+      await page.keyboard.press('ArrowRight');
+      assert.equal(await focus(), 'Circuit');
+      assert.equal(await page.getByRole('tab', { name: 'Circuit' }).getAttribute('aria-selected'), 'true');
+      assert.equal(await page.getByRole('tab', { name: 'Scenario' }).getAttribute('aria-selected'), 'false');
+      await page.keyboard.press('Home');
+      assert.equal(await focus(), 'Scenario');
+      assert.ok(await page.locator('.scenario').isVisible());
+    },
+  },
+  {
+    name: 'access: in windows from 960 x 600 to 4K nothing is covered or cut, and the viewport takes the change of size',
+    async run({ page }) {
+      const bad = [];
+      const widths = () => page.evaluate(() => ['.library', '.inspector'].map((s) => Math.round(document.querySelector(s).getBoundingClientRect().width)));
+      await page.locator('.clip').first().click();
+      const before = await widths();
+      for (const [width, height] of windows) {
+        await page.setViewportSize({ width, height });
+        await page.waitForTimeout(1200);
+        for (const line of await crowded(page)) bad.push(`${width} x ${height}: ${line}`);
+        if (width < 2400) {
+          assert.deepEqual(await widths(), before, `${width} x ${height}: the side panels keep their width`);
+          await page.screenshot({ path: `${pictures}window-${width}.png` });
+        }
+      }
+      await page.setViewportSize({ width: 1440, height: 900 });
+      await page.waitForTimeout(1200);
+      assert.deepEqual(bad, []);
+    },
+  },
+].map((journey) => ({ ...journey, skip }));
