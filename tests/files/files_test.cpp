@@ -1,12 +1,18 @@
 #include "ugoki/files/files.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <thread>
 
 namespace ugoki::files {
 namespace {
@@ -62,7 +68,72 @@ TEST_F(Files, ErrorsNameTheFileAndARemedy) {
   expect_refused(write_file(path(std::string(300, 'a')), "x"), path(std::string(300, 'a')));
 }
 
-TEST_F(Files, ReadingAnEndlessFileStopsAtTheSizeLimit) { expect_refused(read_file("/dev/zero", 1'000'000), "/dev/zero"); }
+/// Whether the error message contains `part`.
+template <class T>
+bool message_has(const Result<T>& r, const char* part) {
+  return !r.has_value() && r.error().problems.at(0).message.contains(part);
+}
+
+TEST_F(Files, ReadingAnEndlessFileStopsAtTheSizeLimit) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  std::signal(SIGPIPE, SIG_IGN);
+  std::thread endless([&] {
+    const int fd = ::open(path("pipe").c_str(), O_WRONLY | O_CLOEXEC);
+    const std::string some(65536, 'x');
+    while (::write(fd, some.data(), some.size()) > 0) {
+    }
+    ::close(fd);
+  });
+  const auto result = read_file(path("pipe"), 1'000'000);
+  endless.join();
+  expect_refused(result, path("pipe"));
+  EXPECT_TRUE(message_has(result, "larger than 1000000 bytes"));
+}
+
+TEST_F(Files, DevicesAndSocketsAreNotRead) {
+  for (const char* device : {"/dev/zero", "/dev/urandom"}) {
+    expect_refused(read_file(device), device);
+    EXPECT_TRUE(message_has(read_file(device), "device")) << device;
+    EXPECT_TRUE(message_has(check_readable(device), "device")) << device;
+  }
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  ASSERT_LT(path("socket").size(), sizeof address.sun_path);
+  std::ranges::copy(path("socket"), address.sun_path);
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  expect_refused(read_file(path("socket")), path("socket"));
+  EXPECT_TRUE(message_has(read_file(path("socket")), "socket"));
+  expect_refused(write_file(path("socket"), "x"), path("socket"));
+  EXPECT_TRUE(fs::is_socket(path("socket")));
+  ::close(fd);
+}
+
+TEST_F(Files, PipesAndDevicesAreWrittenIntoAndStay) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  const std::string text(1'000'000, 'y');  // larger than the buffer of a pipe
+  std::string got;
+  std::thread reader([&] { got = read_file(path("pipe")).value_or("error"); });
+  const int writer = ::open(path("pipe").c_str(), O_WRONLY | O_CLOEXEC);  // waits for the reader, and frees it if the pipe is replaced
+  EXPECT_TRUE(write_file(path("pipe"), text).has_value());
+  ::close(writer);
+  reader.join();
+  EXPECT_TRUE(fs::is_fifo(path("pipe")));
+  EXPECT_TRUE(got == text);
+  EXPECT_EQ(entries(), 1U);
+  // A terminal is a device that a faulty write_file() could not replace: its file system lets nobody create files. /dev/null would be lost.
+  const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_TRUE(terminal >= 0 && ::grantpt(terminal) == 0 && ::unlockpt(terminal) == 0);
+  const std::string device = ::ptsname(terminal);
+  const int open_device = ::open(device.c_str(), O_RDWR | O_NOCTTY);  // keeps what is written until it is read
+  EXPECT_TRUE(write_file(device, "line").has_value());
+  char line[8] = {};
+  EXPECT_EQ(::read(terminal, line, sizeof line), 4);
+  EXPECT_STREQ(line, "line");
+  EXPECT_TRUE(fs::is_character_file(device));
+  ::close(open_device);
+  ::close(terminal);
+}
 
 TEST_F(Files, FailedWriteKeepsTheOldFile) {
   ASSERT_TRUE(write_file(path("a"), "old").has_value());

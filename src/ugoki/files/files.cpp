@@ -57,6 +57,13 @@ std::unexpected<Error> failed(const std::string& path, const std::string& senten
   return fail(ErrorCode::io, path, sentence + " (" + std::strerror(error) + ").", remedy);
 }
 
+/// Error of a path that is neither a regular file nor a pipe; success for these. @param mode of stat()
+Result<void> check_kind(const std::string& path, mode_t mode) {
+  if (S_ISREG(mode) || S_ISFIFO(mode)) return {};
+  if (S_ISDIR(mode)) return fail(ErrorCode::io, path, "This is a folder, not a file.", "Name a file inside it.");
+  return fail(ErrorCode::io, path, S_ISSOCK(mode) ? "This is a socket, not a file." : "This is a device, not a file.", "Name a file or a pipe.");
+}
+
 bool write_all(int fd, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t n = ::write(fd, bytes.data(), std::min(bytes.size(), std::size_t{1} << 30));
@@ -69,12 +76,21 @@ bool write_all(int fd, std::span<const std::byte> bytes) {
 
 }  // namespace
 
+Result<void> check_readable(const std::string& path) {
+  struct stat info{};
+  if (::stat(path.c_str(), &info) != 0)
+    return failed(path, errno == ENOENT ? "The file does not exist" : "The file's status cannot be read", errno);
+  return check_kind(path, info.st_mode);
+}
+
 Result<std::string> read_file(const std::string& path, std::size_t max_size) {
+  // The kind is checked before, because opening some devices waits or has effects, and after, because the path may have changed.
+  if (Result<void> readable = check_readable(path); !readable) return fail(std::move(readable.error()));
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (file.get() < 0) return failed(path, errno == ENOENT ? "The file does not exist" : "The file cannot be opened", errno);
   struct stat info{};
   if (::fstat(file.get(), &info) != 0) return failed(path, "The file's status cannot be read", errno);
-  if (S_ISDIR(info.st_mode)) return fail(ErrorCode::io, path, "This is a folder, not a file.", "Name a file inside it.");
+  if (Result<void> readable = check_kind(path, info.st_mode); !readable) return fail(std::move(readable.error()));
   const auto too_large = [&] {
     return fail(ErrorCode::range, path, "The file is larger than " + std::to_string(max_size) + " bytes.",
                 "Check that it is the right file, or split it.");
@@ -94,7 +110,26 @@ Result<std::string> read_file(const std::string& path, std::size_t max_size) {
   }
 }
 
+namespace {
+
+/// Writes into an existing pipe or character device.
+Result<void> write_into(const std::string& path, std::span<const std::byte> bytes) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY));
+  if (file.get() < 0) return failed(path, "The file cannot be opened for writing", errno);
+  if (!write_all(file.get(), bytes) || !file.close()) return failed(path, "The file cannot be written", errno);
+  return {};
+}
+
+}  // namespace
+
 Result<void> write_file(const std::string& path, std::span<const std::byte> bytes) {
+  struct stat existing{};
+  if (::stat(path.c_str(), &existing) == 0) {
+    if (S_ISFIFO(existing.st_mode) || S_ISCHR(existing.st_mode)) return write_into(path, bytes);
+    if (S_ISBLK(existing.st_mode) || S_ISSOCK(existing.st_mode))
+      return fail(ErrorCode::io, path, S_ISBLK(existing.st_mode) ? "This is a device, not a file." : "This is a socket, not a file.",
+                  "Name another file.");
+  }
   // If the path is a symbolic link, its target is replaced, not the link.
   std::error_code link_error;
   const std::filesystem::path resolved = std::filesystem::weakly_canonical(path, link_error);

@@ -14,13 +14,19 @@ namespace ugoki::files {
 /// memory.
 inline constexpr std::size_t default_max_size = std::size_t{1} << 31;
 
+/// Refuses a path that is not a regular file or a pipe: folders, devices (/dev/zero never ends) and sockets.
+/// Errors (their location is the path): the file does not exist, or is of another kind.
+[[nodiscard]] Result<void> check_readable(const std::string& path);
+
 /// Reads all bytes of the file; also works for pipes. Errors (their location is the path): the file does not exist, is not readable,
-/// is a folder, or is larger than `max_size` bytes; or the disk fails.
+/// is a folder, device or socket, or is larger than `max_size` bytes; or the disk fails.
 [[nodiscard]] Result<std::string> read_file(const std::string& path, std::size_t max_size = default_max_size);
 
 /// Replaces the file atomically: writes a temporary file in the same folder, flushes this file to the disk, then renames it.
 /// After a failure or a power cut the old file is intact. Keeps the permissions of the replaced file, and follows symbolic links.
-/// Errors (their location is the path): missing folder, no permission, no space. The temporary file is removed on failure.
+/// A named pipe or a character device (/dev/null, /dev/stdout) is not replaced: the bytes are written into it.
+/// Errors (their location is the path): missing folder, no permission, no space; the path is a block device or a socket. The temporary file
+/// is removed on failure.
 [[nodiscard]] Result<void> write_file(const std::string& path, std::span<const std::byte> bytes);
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view text);
 
