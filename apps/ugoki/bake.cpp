@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "output.h"
+#include "output_files.h"
 #include "simulate.h"
 #include "sources.h"
 #include "sweep_plot.h"
@@ -204,7 +205,8 @@ int submit(const Options& o) {
   const std::string command = "id=$(sbatch --parsable " + shell_quoted(stem + ".slurm") +
                               ") && sbatch --parsable --dependency=afterany:$id " + shell_quoted(stem + ".merge.slurm");
   if (o.dry_run) {
-    print_line("Wrote " + stem + ".slurm and " + stem + ".merge.slurm. Submit them with:\n  " + command);
+    print_line("Wrote " + stem + ".slurm and " + stem + ".merge.slurm. Submit them with:");
+    print_line("  " + command);
     return 0;
   }
   const int status = std::system(command.c_str());
@@ -233,6 +235,10 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
   if (Result<void> good = check_address({o.table, o.name}); !good) return print_error(good.error(), o.json);
   const Result<Part> part = read_part(o.part);
   if (!part) return print_error(part.error(), o.json);
+  std::vector<NamedFile> inputs = input_files(o.targets, o.source);
+  for (const std::string& path : merges) inputs.push_back({"--merge", path});
+  const std::string table_file = store::is_postgres(o.table) ? "" : o.table;
+  if (Result<void> may = check_outputs(inputs, {{"--table", table_file}, {"--csv", o.csv}}); !may) return print_error(may.error(), o.json);
   if (o.slurm > 0) return submit(o);
   std::vector<SceneSource> sources;
   for (const std::string& target : o.targets) {
@@ -354,6 +360,7 @@ struct PlotOptions {
 };
 
 int run_plot(const PlotOptions& o) {
+  if (Result<void> may = check_outputs({{"the table", o.table}}, {{"--out", o.out}}); !may) return print_error(may.error(), o.json);
   std::vector<std::string> columns = {o.x, o.y};
   if (!o.by.empty()) columns.push_back(o.by);
   const Result<SweepColumns> read = read_columns({o.table, o.name}, columns);

@@ -127,7 +127,9 @@ std::string tail_of(const fs::path& log) {
   const Result<std::string> text = files::read_file(log.string());
   if (!text || text->empty()) return "";
   const std::string end = text->substr(text->size() > 400 ? text->size() - 400 : 0);
-  return " It printed: " + end.substr(0, end.find_last_not_of("\n") + 1);
+  std::string line = end.substr(0, end.find_last_not_of("\n") + 1);
+  std::ranges::replace(line, '\n', ' ');  // the message is one line
+  return " It printed: " + line;
 }
 
 }  // namespace ugoki::cli

@@ -86,7 +86,7 @@ int run_test(const Options& o) {
 
 int run_lsis(const Options& o) {
   return guarded(o, [](const Options& options) {
-    print_line(json::to_text(circuit::library_json(*open_libraries(options)->library()), 2));
+    print_json(circuit::library_json(*open_libraries(options)->library()));
     return 0;
   });
 }

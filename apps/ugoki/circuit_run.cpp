@@ -6,11 +6,11 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <iostream>
 #include <optional>
 #include <thread>
 
 #include "output.h"
+#include "output_files.h"
 #include "probe_log.h"
 #include "ugoki/base/number.h"
 #include "ugoki/circuit/breakpoint.h"
@@ -33,7 +33,7 @@ Result<circuit::Circuit> load_circuit(const std::string& path) {
 std::shared_ptr<plugin::LiveLibrary> open_libraries(const CircuitOptions& o) {
   auto live =
       std::make_shared<plugin::LiveLibrary>(lsi::standard_library(), o.shelf.empty() ? plugin::default_shelf() : o.shelf, o.libraries);
-  for (const std::string& m : live->take_messages()) std::cerr << "ugoki: " << m << '\n';
+  for (const std::string& m : live->take_messages()) print_message(m);
   return live;
 }
 
@@ -133,21 +133,22 @@ void reload(Interpreter& interpreter, const circuit::Circuit& circuit, std::shar
             plugin::LiveLibrary& live, const circuit::BuildOptions& build, const CircuitOptions& o, plugin::ThreadPool& pool,
             ProbeLog& log) {
   if (!live.poll()) return;
-  for (const std::string& m : live.take_messages()) std::cerr << "ugoki: " << m << '\n';
+  for (const std::string& m : live.take_messages()) print_message(m);
   std::shared_ptr<const circuit::Library> next = live.library();
   Result<Interpreter> made = Interpreter::build(circuit, *next, nullptr, build);
   if (!made) {
-    std::cerr << "ugoki: the rebuilt library cannot run this circuit; the previous version continues.\n" << made.error().text();
+    print_message("the rebuilt library cannot run this circuit; the previous version continues.");
+    (void)print_error(made.error(), false);
     return;
   }
   const Interpreter::Adoption report = made->adopt_report(interpreter);
   for (const auto* sentences : {&report.partly, &report.afresh})
-    for (const std::string& s : *sentences) std::cerr << "ugoki: " << s << '\n';
-  std::cerr << "ugoki: reloaded at " << to_fixed(interpreter.time(), 3) << " s; " << report.kept << " LSIs keep their state.\n";
+    for (const std::string& s : *sentences) print_message(s);
+  print_message("reloaded at " + to_fixed(interpreter.time(), 3) + " s; " + std::to_string(report.kept) + " LSIs keep their state.");
   made->set_executor(&pool);
   interpreter = std::move(*made);
   library = std::move(next);
-  if (Result<void> done = start_probes(interpreter, o, log); !done) std::cerr << "ugoki: " << done.error().text() << '\n';
+  if (Result<void> done = start_probes(interpreter, o, log); !done) (void)print_error(done.error(), false);
   (void)apply_inputs(interpreter, o);
 }
 
@@ -193,7 +194,7 @@ int run_inside(const CircuitOptions& o, ProbeLog& log) {
   interpreter->set_executor(&pool);
   // Prints the messages of LSI libraries, for example of FMUs.
   const auto print_messages = [&live] {
-    for (const std::string& m : live->take_messages()) std::cerr << "ugoki: " << m << '\n';
+    for (const std::string& m : live->take_messages()) print_message(m);
   };
   print_messages();
   std::optional<plugin::OscReceiver> osc;
@@ -282,6 +283,10 @@ int run_inside(const CircuitOptions& o, ProbeLog& log) {
 }  // namespace
 
 int run_circuit(const CircuitOptions& o) {
+  std::vector<NamedFile> inputs = {{"--replay", o.replay}};
+  for (const std::string& path : o.targets) inputs.push_back({"the circuit", path});
+  for (const std::string& path : o.libraries) inputs.push_back({"--lsi", path});
+  if (Result<void> may = check_outputs(inputs, {{"--record", o.record}}); !may) return print_error(may.error(), o.json);
   ProbeLog log;
   if (!o.probes.empty())
     if (Result<void> done = log.open(); !done) return print_error(done.error(), o.json);

@@ -6,6 +6,7 @@
 
 #include "mechanism_output.h"
 #include "output.h"
+#include "output_files.h"
 #include "sources.h"
 #include "ugoki/base/number.h"
 #include "ugoki/capture/capture.h"
@@ -195,10 +196,13 @@ std::vector<std::string> motions_of(const std::string& skeleton, const std::stri
 }
 
 /// Refuses to overwrite the input, or a skeleton file that other motions need.
-Result<void> check_outputs(const Options& o, const Written& written) {
-  if (same_file(o.input, o.output))
-    return fail(ErrorCode::conflict, o.output, "The output is the input file.", "Name another file for the output.");
+Result<void> check_written(const Options& o, const Written& written) {
+  std::vector<NamedFile> inputs = input_files(o.input, o.source), outputs = {{"the output", o.output}};
+  inputs.push_back({"--mechanism", o.mechanism});
+  if (Result<void> may = check_outputs(inputs, outputs); !may) return may;
   for (const auto& [path, text] : written.extra_files) {
+    outputs.push_back({"the skeleton of the output", path});
+    if (Result<void> may = check_outputs({{"the input", o.input}}, outputs); !may) return may;
     const Result<std::string> existing = files::read_file(path);
     if (!existing || *existing == text) continue;
     const std::vector<std::string> others = motions_of(path, o.output);
@@ -224,14 +228,14 @@ int run_convert(const Options& o) {
   if (mechanism) {
     if (!content->mechanism)
       return print_error(Error(ErrorCode::structure, o.input, "The input has no mechanism.", "Choose another format."), o.json);
-    if (const Result<void> may = check_outputs(o, {}); !may) return print_error(may.error(), o.json);
+    if (const Result<void> may = check_written(o, {}); !may) return print_error(may.error(), o.json);
     const Result<std::vector<std::string>> notes = write_mechanism_file(*content->mechanism, o.output);
     if (!notes) return print_error(notes.error(), o.json);
     report.insert(report.end(), notes->begin(), notes->end());
   } else {
     const Result<Written> written = write(*content, o);
     if (!written) return print_error(written.error(), o.json);
-    if (const Result<void> may = check_outputs(o, *written); !may) return print_error(may.error(), o.json);
+    if (const Result<void> may = check_written(o, *written); !may) return print_error(may.error(), o.json);
     for (const auto& [path, text] : written->extra_files) {
       if (Result<void> done = files::write_file(path, text); !done) return print_error(done.error(), o.json);
       extra_files.push_back(path);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "output_files.h"
 #include "sources.h"
 #include "ugoki/base/number.h"
 #include "ugoki/files/files.h"
@@ -233,6 +234,7 @@ int thumbnail(const Options& o) {
     if (o.to.empty())
       return fail(ErrorCode::structure, entry->id, "No destination is given for the thumbnail.",
                   "Add --to FILE, or --set PICTURE to change the thumbnail.");
+    if (Result<void> may = check_outputs({}, {{"--to", o.to}}); !may) return may;
     if (Result<void> written = files::write_file(o.to, std::span<const std::byte>(*picture)); !written) return written;
     o.json ? print_json({{"id", entry->id}, {"file", o.to}, {"bytes", picture->size()}}) : print_line("Wrote " + o.to + ".");
     return {};

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "db_library.h"
+#include "output_files.h"
 #include "sources.h"
 #include "ugoki/circuit/circuit.h"
 #include "ugoki/files/files.h"
@@ -36,6 +37,7 @@ int export_entry(const Options& options) {
       *data = bytes_of(formats::write_bvh(*measured));
       form = "BVH";
     }
+    if (Result<void> may = check_outputs({}, {{"the output", options.file}}); !may) return may;
     if (Result<void> written = files::write_file(options.file, std::span<const std::byte>(*data)); !written) return written;
     if (options.json)
       print_json({{"id", entry->id}, {"file", options.file}, {"form", form}, {"bytes", data->size()}});

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "output.h"
+#include "output_files.h"
 #include "simulate.h"
 #include "sources.h"
 #include "ugoki/content/inputs.h"
@@ -33,6 +34,11 @@ struct Options {
   double take_rate = 0, duration = 0;
   bool json = false;
 
+  [[nodiscard]] std::vector<NamedFile> outputs() const {
+    return {{"--html", html}, {"--native", native}, {"--embed", embed},           {"--ugx", ugx},           {"--glb", glb},
+            {"--usda", usda}, {"--csv", csv},       {"--mjcf", mjcf},             {"--urdf", urdf},         {"--fbx", fbx},
+            {"--abc", abc},   {"--png", pictures.png}, {"--mp4", pictures.mp4}, {"--webm", pictures.webm}, {"--gif", pictures.gif}};
+  }
   [[nodiscard]] bool wants_take() const {
     return !glb.empty() || !usda.empty() || !csv.empty() || !mjcf.empty() || !urdf.empty() || !fbx.empty() || !abc.empty();
   }
@@ -99,6 +105,7 @@ Result<void> write_embed(const Options& o, const std::string& name, std::span<co
       '-');
   file += ".ugx";
   const fs::path folder = o.embed;
+  if (Result<void> may = check_outputs(input_files(o.target, o.source), {{"a file in --embed", (folder / file).string()}}); !may) return may;
   if (Result<void> done = write(report, "script", (folder / "ugoki-player.js").string(), *script); !done) return done;
   if (Result<void> done = write(report, "ugx", (folder / file).string(), ugx); !done) return done;
   const std::string page =
@@ -143,14 +150,20 @@ Result<void> write_robot(const publish::Take& take, const Options& o, const char
   const robot_formats::RobotText text = std::string_view(kind) == "mjcf"
                                             ? robot_formats::write_mjcf(*chosen->mechanism, motion)
                                             : robot_formats::write_urdf(*chosen->mechanism, file.stem().string(), motion);
-  for (const robot_formats::SideFile& extra : text.files)
-    if (Result<void> done = write(report, kind, (file.parent_path() / extra.name).string(), extra.text); !done) return done;
+  for (const robot_formats::SideFile& extra : text.files) {
+    const std::string beside = (file.parent_path() / extra.name).string();
+    if (Result<void> may = check_outputs(input_files(o.target, o.source), {{"a file beside --" + std::string(kind), beside}}); !may) return may;
+    if (Result<void> done = write(report, kind, beside, extra.text); !done) return done;
+  }
   if (!o.json)
     for (const std::string& note : text.notes) print_line("Note: " + note);
   return write(report, kind, path, text.text);
 }
 
 int run_export(Options o) {
+  std::vector<NamedFile> inputs = input_files(o.target, o.source);
+  inputs.push_back({"--inputs", o.inputs});
+  if (Result<void> may = check_outputs(inputs, o.outputs()); !may) return print_error(may.error(), o.json);
   Result<ExecutableSource> source = load_executable(o.target, o.source);
   if (!source) return print_error(source.error(), o.json);
   const std::span<const std::byte> ugx = source->ugx;

@@ -239,6 +239,9 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   const auto start_video = [&](const std::string& file, std::vector<std::string> codec, const char* ending) -> Result<void> {
     if (file.empty()) return {};
     const fs::path target = file;
+    std::error_code missing;
+    if (fs::exists(target, missing) && !fs::is_regular_file(target, missing))
+      return fail(ErrorCode::io, file, "Videos can be written only to files, not to folders, pipes and devices.", "Name another file.");
     const std::string part = (target.parent_path() / ("." + target.filename().string() + ".part" + ending)).string();
     std::vector<std::string> command = {ffmpeg,
                                         "-hide_banner",

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "fmu_binary.h"
+#include "output_files.h"
 #include "ugoki/circuit/class_json.h"
 #include "ugoki/content/player.h"
 #include "ugoki/files/files.h"
@@ -24,6 +25,8 @@ struct Options {
 };
 
 int run_export(const Options& o) {
+  if (Result<void> may = check_outputs({{"the circuit", o.circuit}, {"--content", o.content}}, {{"the output", o.output}}); !may)
+    return print_error(may.error(), o.json);
   const Result<std::string> text = files::read_file(o.circuit);
   if (!text) return print_error(text.error(), o.json);
   const Result<circuit::Circuit> circuit = circuit::read_circuit(*text, o.circuit + ":");

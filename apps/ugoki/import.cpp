@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "output.h"
+#include "output_files.h"
 #include "sources.h"
 #include "ugoki/base/number.h"
 #include "ugoki/files/files.h"
@@ -59,9 +60,8 @@ Result<std::string> copy_path(const std::string& path, const Options& options, c
     out = (fs::path(options.bvh) / (stem + ".bvh")).string();
     for (int number = 2; is_written(); ++number) out = (fs::path(options.bvh) / (stem + "-" + std::to_string(number) + ".bvh")).string();
   }
-  for (const std::string& file : options.files)
-    if (same_file(out, file))
-      return fail(ErrorCode::conflict, out, "The copy would overwrite an imported file.", "Choose another folder for the copies.");
+  if (Result<void> may = check_outputs(input_files(options.files, options.source), {{"--bvh", out}}); !may)
+    return fail(std::move(may.error()));
   return out;
 }
 

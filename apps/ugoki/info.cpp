@@ -5,6 +5,7 @@
 #include "fmu.h"
 #include "mechanism_info.h"
 #include "output.h"
+#include "output_files.h"
 #include "sources.h"
 #include "ugoki/base/number.h"
 #include "ugoki/content/executable.h"
@@ -248,10 +249,12 @@ void print_text(const Json& json, const std::string& indent) {
       }
       print_table(rows);
     } else if (value.is_array()) {
-      std::string text;
-      for (const Json& item : value)
-        text += (text.empty() ? "" : "\n" + indent + std::string(18, ' ')) + (item.is_string() ? item.get<std::string>() : item.dump());
-      print_line(indent + key + std::string(key.size() < 18 ? 18 - key.size() : 1, ' ') + (value.empty() ? "none" : text));
+      std::string line = indent + key + std::string(key.size() < 18 ? 18 - key.size() : 1, ' ');
+      if (value.empty()) print_line(line + "none");
+      for (const Json& item : value) {
+        print_line(line + (item.is_string() ? item.get<std::string>() : item.dump()));
+        line = indent + std::string(18, ' ');
+      }
     } else {
       const std::string text = value.is_string()         ? value.get<std::string>()
                                : value.is_number_float() ? to_text(value.get<double>())
@@ -262,6 +265,8 @@ void print_text(const Json& json, const std::string& indent) {
 }
 
 int run_info(const Options& options) {
+  if (Result<void> may = check_outputs(input_files(options.target, options.source), {{"--mapping-out", options.mapping_out}}); !may)
+    return print_error(may.error(), options.json);
   const Result<Json> json = info_of(options);
   if (!json) return print_error(json.error(), options.json);
   if (options.json)

@@ -6,10 +6,12 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <sstream>
 #include <thread>
 
 #include "lsi_template.h"
 #include "output.h"
+#include "output_files.h"
 #include "ugoki/circuit/class_json.h"
 #include "ugoki/circuit/example.h"
 #include "ugoki/files/files.h"
@@ -63,7 +65,7 @@ Result<Json> describe(const std::string& path, const std::string& hash = {}, boo
 
 int run_describe(const Options& o) {
   const auto print_and_fail = [](const Error& error) {
-    print_line(json::to_text(json::error_json(error)));
+    print_json_text(json::to_text(json::error_json(error)));
     return 1;
   };
   const Result<int> done = plugin::run_guarded([&] {
@@ -73,7 +75,7 @@ int run_describe(const Options& o) {
     if (!text) return print_and_fail(text.error());
     if (o.start)
       if (const Result<void> works = plugin::try_library(o.target, o.hash); !works) return print_and_fail(works.error());
-    print_line(*text);
+    print_json_text(*text);
     return 0;
   });
   return done ? *done : print_and_fail(done.error());
@@ -128,7 +130,10 @@ Result<void> ask_consent(const Options& o, const plugin::Inspection& file, const
   if (isatty(STDIN_FILENO) == 0)
     return fail(ErrorCode::cancelled, path, "A library runs with all your rights; installing it needs your consent." + (needed.empty() ? "" : " " + needed),
                 "If you trust it, add --yes, or --hash " + file.hash);
-  print_line(stated_content(file) + " is a program that runs with all your rights.\nSHA-256 " + file.hash + (needed.empty() ? "" : "\n" + needed) + "\nInstall it? [y/N] ");
+  print_line(stated_content(file) + " is a program that runs with all your rights.");
+  print_line("SHA-256 " + file.hash);
+  if (!needed.empty()) print_line(needed);
+  print_line("Install it? [y/N] ");
   std::string answer;
   std::getline(std::cin, answer);
   if (answer == "y" || answer == "Y" || answer == "yes") return {};
@@ -142,7 +147,7 @@ Result<Json> install(const Options& o, const std::string& path) {
   if (Result<void> consent = ask_consent(o, *file, path); !consent) return fail(std::move(consent.error()));
   Result<Json> description = describe(path, file->hash, file->fmu);
   if (!description) return description;
-  for (const std::string& w : plugin::writable_warnings(*file, path)) std::cerr << "ugoki: warning: " << w << '\n';
+  for (const std::string& w : plugin::writable_warnings(*file, path)) print_message("warning: " + w);
   const Result<plugin::ShelfEntry> entry = plugin::put_on_shelf(shelf_of(o), path, json::to_text(*description));
   if (!entry) return fail(entry.error());
   return description;
@@ -161,6 +166,8 @@ int run_new(const Options& o) {
 }
 
 int run_build(const Options& o) {
+  const std::string output = o.output.empty() ? fs::path(o.target).replace_extension(".so").string() : o.output;
+  if (Result<void> may = check_outputs({{"the source", o.target}}, {{"--output", output}}); !may) return print_error(may.error(), o.json);
   const Result<plugin::BuildReport> report = plugin::build_library({o.target, o.output, o.name, o.compiler});
   if (!report) return print_error(report.error(), o.json);
   const Result<Json> description = o.install ? install(o, report->output) : describe(report->output);
@@ -190,7 +197,8 @@ int run_install(const Options& o) {
     print_json(*description);
   } else {
     print_line("Installed '" + description->value("name", "") + "' (SHA-256 " + description->value("sha256", "") + ").");
-    if (const std::string doc = description->value("doc", ""); !doc.empty()) print_line(doc);
+    std::istringstream doc(description->value("doc", ""));
+    for (std::string line; std::getline(doc, line);) print_line(line);
     print_classes((*description)["classes"]);
   }
   return 0;
@@ -266,7 +274,7 @@ int run_test(const Options& o) {
     plugin::LiveLibrary live(lsi::standard_library(), {}, libraries);
     int failed = 0;
     for (const std::string& m : live.take_messages()) {
-      std::cerr << m << '\n';
+      print_message(m);
       failed = 1;
     }
     for (const std::string& path : tests) {

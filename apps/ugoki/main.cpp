@@ -8,6 +8,7 @@
 #include <string>
 
 #include "output.h"
+#include "ugoki/base/printable.h"
 #include "verb.h"
 
 namespace {
@@ -31,6 +32,9 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "ugoki 0.1.0");
   app.require_subcommand(1);
   app.footer("`ugoki VERB --help` describes a verb, with an example.");
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return ugoki::printable(error.what()) + "\nRun with --help for more information.\n";
+  });
   Action action;
   add_studio_verb(app, action);
   add_new_verb(app, action);

@@ -8,6 +8,7 @@
 
 #include "mechanism_output.h"
 #include "output.h"
+#include "output_files.h"
 #include "sources.h"
 #include "ugoki/base/number.h"
 #include "ugoki/files/files.h"
@@ -53,6 +54,13 @@ Result<MechanismPtr> load_mechanism(const std::string& target, const SourceOptio
   const Result<std::vector<std::byte>> data = library->data(entry->id);
   if (!data) return fail(data.error());
   return formats::read_mechanism({reinterpret_cast<const char*>(data->data()), data->size()}, "library entry " + entry->id);
+}
+
+/// Loads the input with this number, after a check that the output will overwrite no input.
+Result<MechanismPtr> load_input(const Common& common, std::size_t index) {
+  if (Result<void> may = check_outputs(input_files(common.inputs, common.source), {{"--out", common.out}}); !may)
+    return fail(std::move(may.error()));
+  return load_mechanism(common.inputs[index], common.source);
 }
 
 /// Writes the mechanism that an operation made and prints a summary. @return exit status
@@ -114,8 +122,7 @@ struct CombineChoice {
 };
 
 int run_combine(const CombineChoice& c) {
-  const Result<MechanismPtr> a = load_mechanism(c.common.inputs[0], c.common.source),
-                             b = load_mechanism(c.common.inputs[1], c.common.source);
+  const Result<MechanismPtr> a = load_input(c.common, 0), b = load_input(c.common, 1);
   if (!a) return print_error(a.error(), c.common.json);
   if (!b) return print_error(b.error(), c.common.json);
   if (norm(Vec3{c.axis[0], c.axis[1], c.axis[2]}) < 1e-9)
@@ -189,7 +196,7 @@ void add_cut(CLI::App& verb, Action& action) {
   command->footer("Example:\n  ugoki mechanism cut man.json --at abdomen --keep part -o trunk.json");
   command->callback([c, &action] {
     action = [c] {
-      const Result<MechanismPtr> m = load_mechanism(c->common.inputs[0], c->common.source);
+      const Result<MechanismPtr> m = load_input(c->common, 0);
       if (!m) return print_error(m.error(), c->common.json);
       return finish(c->common, cut(**m, c->at, {.keep = c->keep == "part" ? Keep::part : Keep::rest, .base = *joint_type_named(c->base)}));
     };
@@ -212,7 +219,7 @@ void add_mirror(CLI::App& verb, Action& action) {
   command->footer("Example:\n  ugoki mechanism mirror left_arm.json -o right_arm.json");
   command->callback([c, &action] {
     action = [c] {
-      const Result<MechanismPtr> m = load_mechanism(c->common.inputs[0], c->common.source);
+      const Result<MechanismPtr> m = load_input(c->common, 0);
       if (!m) return print_error(m.error(), c->common.json);
       return finish(c->common, mirror(**m, {.normal = c->axis[0] - 'x', .swap_sides = !c->keep_names}));
     };
@@ -244,7 +251,7 @@ void add_scale(CLI::App& verb, Action& action) {
     if (c->factor <= 0 && c->grow.age <= 0 && c->grow.height <= 0 && c->grow.mass <= 0)
       throw CLI::ValidationError("scale", "needs --age, --height, --mass or --factor.");
     action = [c] {
-      const Result<MechanismPtr> m = load_mechanism(c->common.inputs[0], c->common.source);
+      const Result<MechanismPtr> m = load_input(c->common, 0);
       if (!m) return print_error(m.error(), c->common.json);
       c->grow.sex = c->sex == "female" ? GrowthSex::girl : GrowthSex::boy;
       return finish(c->common, c->factor > 0 ? scale(**m, {.length = c->factor, .mass = c->grow.mass}) : grow(**m, c->grow));
@@ -266,7 +273,7 @@ void add_edit(CLI::App& verb, Action& action) {
   command->footer("Example:\n  ugoki mechanism edit man.json --set 'shank left:joint.upper=2.4' --set head:inertia.mass=6 -o edited.json");
   command->callback([c, &action] {
     action = [c] {
-      const Result<MechanismPtr> m = load_mechanism(c->common.inputs[0], c->common.source);
+      const Result<MechanismPtr> m = load_input(c->common, 0);
       if (!m) return print_error(m.error(), c->common.json);
       std::vector<Assignment> list;
       Error errors;
@@ -301,6 +308,8 @@ void add_body(CLI::App& verb, Action& action) {
   command->footer("Example:\n  ugoki mechanism body walk.bvh --mass 70 -o walker.json");
   command->callback([c, &action] {
     action = [c] {
+      if (Result<void> may = check_outputs(input_files(c->common.inputs, c->common.source), {{"--out", c->common.out}}); !may)
+        return print_error(may.error(), c->common.json);
       Result<intake::Intake> loaded = take_in_file(c->common.inputs[0], c->common.source);
       if (!loaded) return print_error(loaded.error(), c->common.json);
       return finish(c->common, loaded->mechanism, loaded->report);
@@ -321,6 +330,8 @@ struct InertiaChoice {
 Json vector_json(const Vec3& v) { return Json::array({v.x, v.y, v.z}); }
 
 int run_inertia(const InertiaChoice& c) {
+  if (Result<void> may = check_outputs({{"the mesh", c.mesh}, {"--mechanism", c.into}}, {{"--out", c.out}}); !may)
+    return print_error(may.error(), c.json);
   const Result<std::string> bytes = files::read_file(c.mesh);
   if (!bytes) return print_error(bytes.error(), c.json);
   const Result<robot_formats::MeshFile> file = robot_formats::read_mesh(*bytes, c.mesh);

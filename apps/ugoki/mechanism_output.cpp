@@ -1,5 +1,7 @@
 #include "mechanism_output.h"
 
+#include "output_files.h"
+
 #include <filesystem>
 
 #include "ugoki/files/files.h"
@@ -23,6 +25,7 @@ Result<std::vector<std::string>> write_mechanism_file(const Mechanism& mechanism
                 "Name a .json, .urdf or .xml (MJCF) file.");
   for (const robot_formats::SideFile& extra : out.files) {
     const std::string location = (file.parent_path() / extra.name).string();
+    if (Result<void> may = check_outputs({}, {{"a file beside the output", location}}); !may) return fail(std::move(may.error()));
     if (Result<void> done = files::write_file(location, extra.text); !done) return fail(std::move(done.error()));
     out.notes.push_back("Additional file: " + extra.name + ".");
   }

@@ -7,6 +7,7 @@
 
 #include "motion_files.h"
 #include "output.h"
+#include "output_files.h"
 #include "ugoki/base/number.h"
 #include "ugoki/capture/force_plates.h"
 #include "ugoki/files/files.h"
@@ -120,6 +121,11 @@ Json to_json(const FootLockReport& r) {
           {"missed_frame", r.miss_frame}};
 }
 
+/// Refuses an output file that is an input. An output that is not a file is an entry of the library.
+Result<void> check_output(const Common& c, const std::string& out) {
+  return check_outputs(input_files(c.inputs, c.source), {{"--out", writes_file(out) ? out : ""}});
+}
+
 CLI::App* add_operation(CLI::App& verb, const char* name, const char* what, const CommonPtr& c, int minimum, int maximum) {
   CLI::App* command = verb.add_subcommand(name, what);
   command
@@ -151,6 +157,7 @@ void run_by(CLI::App* command, Action& action, const CommonPtr& c, Operation ope
   add_out(command, c);
   command->callback([c, operation = std::move(operation), &action] {
     action = [c, operation] {
+      if (Result<void> may = check_output(*c, c->out); !may) return print_error(may.error(), c->json);
       const Result<MotionSet> set = load_motions(c->inputs, c->source);
       if (!set) return print_error(set.error(), c->json);
       Json more = Json::object();
@@ -165,6 +172,7 @@ void run_by_pair(CLI::App* command, Action& action, const CommonPtr& c, Pair ope
   add_out(command, c);
   command->callback([c, operation = std::move(operation), &action] {
     action = [c, operation] {
+      if (Result<void> may = check_output(*c, c->out); !may) return print_error(may.error(), c->json);
       const Result<MotionSet> set = load_motions(c->inputs, c->source);
       if (!set) return print_error(set.error(), c->json);
       const Result<Motion> made = operation(*set->mechanism, set->motions[0], set->motions[1]);
@@ -368,6 +376,10 @@ std::string numbered(const std::string& out, double percent, bool several) {
 }
 
 int run_blend(const Common& c, const BlendChoice& choice) {
+  if (Result<void> may = check_output(c, c.out); !may) return print_error(may.error(), c.json);
+  for (const double percent : choice.shares)
+    if (Result<void> may = check_output(c, numbered(c.out, percent, choice.shares.size() > 1)); !may)
+      return print_error(may.error(), c.json);
   const Result<MotionSet> set = load_motions(c.inputs, c.source);
   if (!set) return print_error(set.error(), c.json);
   IntermediateOptions options;

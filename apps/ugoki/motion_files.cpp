@@ -145,6 +145,8 @@ Result<MotionSet> load_motions(const std::vector<std::string>& targets, const So
   return out;
 }
 
+bool writes_file(const std::string& out) { return out.ends_with(".bvh") || out.ends_with(".glb"); }
+
 Result<std::string> put_motion(const Mechanism& mechanism, const Motion& motion, double height, const std::string& out,
                                const SourceOptions& options) {
   if (out.ends_with(".bvh")) {

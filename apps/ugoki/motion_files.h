@@ -20,6 +20,9 @@ struct MotionSet {
 /// one body, whose joints allow all these recordings. Motions of other bodies are retargeted.
 [[nodiscard]] Result<MotionSet> load_motions(const std::vector<std::string>& targets, const SourceOptions& options);
 
+/// Whether put_motion() writes a file of this name; otherwise the name is that of a library entry.
+[[nodiscard]] bool writes_file(const std::string& out);
+
 /// Writes the motion to a .bvh or .glb file. A name without a dot is the name of a new library entry, with mechanism and motion.
 /// @return sentence for the user about the destination
 [[nodiscard]] Result<std::string> put_motion(const Mechanism& mechanism, const Motion& motion, double height, const std::string& out,

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "ugoki/base/printable.h"
 #include "ugoki/plugin/guard.h"
 
 namespace ugoki::cli {
@@ -30,21 +31,32 @@ bool is_number(std::string_view text) {
 }  // namespace
 
 int print_error(const Error& error, bool as_json) {
-  for (const Problem& p : error.problems) std::fprintf(stderr, "ugoki: %s\n", p.text().c_str());
+  for (const Problem& p : error.problems) print_message(p.text());
   if (as_json) print_json({{"error", json::error_json(error)}});
   return 1;
 }
 
-void print_json(const Json& value) { print_line(json::to_text(value, 2)); }
+void print_message(std::string_view message) { std::fprintf(stderr, "ugoki: %s\n", printable(message).c_str()); }
 
-void print_line(std::string_view line) {
+namespace {
+
+void print(std::string_view line) {
   std::FILE* out = plugin::results();  // not stdout, because LSIs may print there
   std::fwrite(line.data(), 1, line.size(), out);
   std::fputc('\n', out);
   std::fflush(out);
 }
 
-void print_table(const std::vector<std::vector<std::string>>& rows) {
+}  // namespace
+
+void print_json(const Json& value) { print_json_text(json::to_text(value, 2)); }
+void print_json_text(std::string_view text) { print(printable_json(text)); }
+void print_line(std::string_view line) { print(printable(line)); }
+
+void print_table(const std::vector<std::vector<std::string>>& table) {
+  std::vector<std::vector<std::string>> rows = table;
+  for (auto& row : rows)
+    for (std::string& cell : row) cell = printable(cell);
   std::vector<std::size_t> widths;
   std::vector<bool> numeric;
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -66,7 +78,7 @@ void print_table(const std::vector<std::vector<std::string>>& rows) {
   }
 }
 
-Progress::Progress(std::string label) : label_(std::move(label)), terminal_(::isatty(STDERR_FILENO) == 1), began_(now()) {}
+Progress::Progress(std::string label) : label_(printable(label)), terminal_(::isatty(STDERR_FILENO) == 1), began_(now()) {}
 Progress::~Progress() { clear(); }
 
 void Progress::show(double done) {

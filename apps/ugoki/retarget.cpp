@@ -6,6 +6,7 @@
 
 #include "motion_files.h"
 #include "output.h"
+#include "output_files.h"
 #include "sources.h"
 #include "ugoki/base/number.h"
 #include "ugoki/files/files.h"
@@ -105,6 +106,11 @@ Json to_json(const retarget::RetargetReport& r) {
 }
 
 int run_retarget(const Options& o) {
+  std::vector<NamedFile> inputs = input_files(o.motion, o.source);
+  inputs.push_back({"--to", o.to});
+  inputs.push_back({"--mapping", o.mapping});
+  if (Result<void> may = check_outputs(inputs, {{"--out", writes_file(o.out) ? o.out : ""}, {"--mechanism-out", o.mechanism_out}}); !may)
+    return print_error(may.error(), o.json);
   const Result<ClipSource> clip = load_clip(o.motion, o.source);
   if (!clip) return print_error(clip.error(), o.json);
   const Result<MechanismPtr> target = load_target(o);

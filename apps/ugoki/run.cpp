@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "output.h"
+#include "output_files.h"
 #include "simulate.h"
 #include "sources.h"
 #include "ugoki/base/hash.h"
@@ -129,6 +130,10 @@ Json touch_json(const RunReport& report, const content::PlayerTouch& t) {
 }
 
 int run_run(const Options& options) {
+  std::vector<NamedFile> inputs = input_files(options.target, options.source);
+  inputs.push_back({"--inputs", options.inputs});
+  if (Result<void> may = check_outputs(inputs, {{"--ugx", options.executable}, {"--frames", options.frames}}); !may)
+    return print_error(may.error(), options.json);
   Result<Content> content = load(options);
   if (!content) return print_error(content.error(), options.json);
   if (!options.executable.empty())

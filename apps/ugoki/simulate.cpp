@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
-#include <iostream>
 #include <memory>
 
 #include "output.h"
@@ -54,7 +53,7 @@ Result<HostedPlayer> open_hosted(std::span<const std::byte> ugx, const std::stri
   std::shared_ptr<plugin::LiveLibrary> libraries;
   if (!plugin::read_shelf(plugin::default_shelf()).empty()) {
     libraries = std::make_shared<plugin::LiveLibrary>(lsi::standard_library(), plugin::default_shelf());
-    for (const std::string& m : libraries->take_messages()) std::cerr << "ugoki: " << m << '\n';
+    for (const std::string& m : libraries->take_messages()) print_message(m);
     host.library = libraries->library();
     host.activity = &plugin::process_activity();
   }

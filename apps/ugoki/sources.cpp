@@ -113,10 +113,12 @@ Result<TargetKind> kind_of(const std::string& target) {
       return fail(ErrorCode::io, target, "The file does not exist.", "Check its name.");
     return TargetKind::entry;
   }
-  if (fs::is_directory(target, ignored)) return fail(ErrorCode::io, target, "This is a folder.", "Name a file.");
+  if (Result<void> readable = files::check_readable(target); !readable) return fail(std::move(readable.error()));
   std::string head(72, '\0');
-  std::ifstream file(target, std::ios::binary);
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  if (fs::is_regular_file(target, ignored)) {  // what is read from a pipe is lost, so its kind follows from its extension alone
+    std::ifstream file(target, std::ios::binary);
+    file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  }
   if (head.starts_with("UGOKIUGX")) return TargetKind::executable;
   if (head.starts_with("SQLite format 3")) {
     // The header is read here and not by SQLite: opening the database is the task of the code that checks it.

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 
 #include "output.h"
@@ -45,6 +46,28 @@ Result<void> check_address(const TableAddress& address) {
   return {};
 }
 
+namespace {
+/// Refuses an existing file with other content than a table of `ugoki bake`. An empty file is accepted.
+Result<void> check_table_file(const std::string& path) {
+  std::error_code none;
+  if (!std::filesystem::exists(path, none)) return {};
+  const auto refuse = [&] {
+    return fail(ErrorCode::conflict, path, "The file exists, but is not a table of `ugoki bake`.", "Name another file for the table.");
+  };
+  if (!std::filesystem::is_regular_file(path, none)) return refuse();
+  if (std::filesystem::file_size(path, none) == 0) return {};
+  Result<store::Database> database = store::Database::open(path, store::OpenMode::read_only);
+  if (!database) return fail(std::move(database.error()));
+  const Result<std::int64_t> application = database->integer("PRAGMA application_id");
+  if (!application) return fail(application.error());
+  if (*application != 0) return refuse();
+  const Result<std::int64_t> tables = database->integer("SELECT count(*) FROM sqlite_master");
+  if (tables && *tables == 0) return {};  // a `bake` that was ended before it wrote its plan
+  if (const Result<std::string> plan = database->text("SELECT value FROM property WHERE name = 'plan'"); !plan || plan->empty()) return refuse();
+  return {};
+}
+}  // namespace
+
 SweepTable::~SweepTable() {
   if (lock_ >= 0) ::close(lock_);
 }
@@ -70,6 +93,7 @@ Result<SweepTable> SweepTable::open(const TableAddress& address, const SweepPlan
     }
     return table;
   }
+  if (Result<void> may = check_table_file(path); !may) return fail(std::move(may.error()));
   const int lock = ::open((path + ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (lock < 0)
     return fail(ErrorCode::io, path, "The lock file beside the table cannot be written.", "Choose a folder that may be written.");

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -92,8 +93,8 @@ TEST_F(Files, ReadingAnEndlessFileStopsAtTheSizeLimit) {
 
 TEST_F(Files, DevicesAndSocketsAreNotRead) {
   for (const char* device : {"/dev/zero", "/dev/urandom"}) {
-    expect_refused(read_file(device), device);
-    EXPECT_TRUE(message_has(read_file(device), "device")) << device;
+    expect_refused(read_file(device, 1000), device);
+    EXPECT_TRUE(message_has(read_file(device, 1000), "device")) << device;
     EXPECT_TRUE(message_has(check_readable(device), "device")) << device;
   }
   sockaddr_un address{};
@@ -128,6 +129,8 @@ TEST_F(Files, PipesAndDevicesAreWrittenIntoAndStay) {
   const int open_device = ::open(device.c_str(), O_RDWR | O_NOCTTY);  // keeps what is written until it is read
   EXPECT_TRUE(write_file(device, "line").has_value());
   char line[8] = {};
+  pollfd wait{terminal, POLLIN, 0};
+  ASSERT_EQ(::poll(&wait, 1, 10'000), 1) << "nothing was written to the device";
   EXPECT_EQ(::read(terminal, line, sizeof line), 4);
   EXPECT_STREQ(line, "line");
   EXPECT_TRUE(fs::is_character_file(device));

@@ -81,6 +81,25 @@ TEST_P(LibraryTest, InvalidCharactersOfTextsAreReplaced) {
   EXPECT_EQ(library.data(empty), std::vector<std::byte>());
 }
 
+TEST_P(LibraryTest, NamesHaveAMaximumLength) {
+  Library library = open();
+  std::string longest, too_long;  // of two bytes a character
+  for (std::size_t i = 0; i < max_name_length; ++i) longest += "\u00e9";
+  too_long = longest + "x";
+  const auto id = library.put(std::vector{make_item(EntryKind::motion, longest, "1")});
+  ASSERT_TRUE(id) << id.error().text();
+  const auto refused = [](const auto& result) {
+    return !result && result.error().problems.at(0).message.contains("201 characters; at most 200") &&
+           !result.error().problems[0].location.empty() && !result.error().problems[0].remedy.empty();
+  };
+  EXPECT_TRUE(refused(library.put(std::vector{make_item(EntryKind::motion, too_long, "2")})));
+  EXPECT_TRUE(refused(library.rename(id->front(), too_long)));
+  EXPECT_TRUE(refused(library.duplicate(id->front(), too_long)));
+  EXPECT_TRUE(refused(library.save({.id = id->front(), .base = 1, .name = too_long})));
+  EXPECT_EQ(library.get(id->front())->name, longest);
+  EXPECT_TRUE(library.rename(id->front(), "short"));
+}
+
 TEST_P(LibraryTest, RenamesTagsRemoves) {
   Library library = open();
   const std::string id = library.put(std::vector{make_item(EntryKind::motion, "walk", "1", {"a"})})->front();

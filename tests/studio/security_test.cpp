@@ -65,7 +65,7 @@ TEST(Security, RejectsPathsOutsideTheWebFolder) {
 
 TEST(Security, GateFollowsTheProtocol) {
   const Gate gate{4711, "secret", "code"};
-  Credentials c{"127.0.0.1:4711", 1, std::nullopt, "", "", ""};
+  Credentials c{"127.0.0.1:4711", 1, std::nullopt, 0, "", "", ""};
   for (const char* open : {"/", "/index.html", "/assets/index.js", "/api/session"}) {
     c.path = open;
     EXPECT_EQ(gate.admit(c), Admission::open) << open;
@@ -105,6 +105,8 @@ TEST(Security, GateFollowsTheProtocol) {
   }
   c.origin = "http://127.0.0.1:4711";
   EXPECT_EQ(gate.admit(c), Admission::open);
+  c.origin_count = 2;
+  EXPECT_EQ(gate.admit(c), Admission::bad_origin);
 }
 
 }  // namespace

@@ -173,6 +173,9 @@ TEST_F(ServerTest, RejectsUnauthorisedRequestsWithRemedy) {
   EXPECT_EQ(r.status, 403);
   EXPECT_EQ(problem(r)["location"], "Origin");
   EXPECT_EQ(request(port(), "GET", "/", {bearer(), "Origin: null"}).status, 403);
+  const std::string own = "Origin: http://127.0.0.1:" + std::to_string(port());
+  EXPECT_EQ(request(port(), "GET", "/", {bearer(), own}).status, 200);
+  EXPECT_EQ(request(port(), "GET", "/", {bearer(), own, "Origin: http://evil.example"}).status, 403);
 
   // If a browser opens the address of an API request, it gets the same error sentence as an HTML page.
   r = request(port(), "GET", "/api/library", {"Accept: text/html,*/*"});

@@ -205,7 +205,8 @@ Result<BuildReport> build_library(const BuildRequest& request) {
       return fail(ErrorCode::io, request.source, "The compiler did not finish within " + std::to_string(compile_limit.count()) + " s.",
                   "Make the file smaller.");
     if (errors.empty()) {
-      const auto tail = ran->err.size() > 2000 ? ran->err.substr(ran->err.size() - 2000) : ran->err;
+      std::string tail = ran->err.size() > 2000 ? ran->err.substr(ran->err.size() - 2000) : ran->err;
+      std::ranges::replace(tail, '\n', ' ');  // the message is one line
       errors.add(ErrorCode::syntax, request.source, "The library cannot be linked: " + tail,
                  "Make sure that every function that is used is defined in the file.");
     }

@@ -52,6 +52,10 @@ struct LibraryVersion {
   std::size_t size = 0;
 };
 
+/// Maximum length of the name of an entry, in characters: longer than the names of files (at most 255 bytes) and takes in use, short enough
+/// for lists.
+inline constexpr std::size_t max_name_length = 200;
+
 /// Data of a new entry for Library::put().
 struct LibraryItem {
   EntryKind kind = EntryKind::motion;

@@ -17,6 +17,16 @@ std::string trimmed(std::string_view text) {
   return from == std::string::npos ? "" : out.substr(from, to - from + 1);
 }
 
+/// Checks a new name, which trimmed() returned. Entries of older libraries may have longer names, and keep them.
+Result<void> check_name(const LibraryBody& body, std::string_view id, const std::string& name) {
+  const auto length = static_cast<std::size_t>(std::ranges::count_if(name, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+  if (length <= max_name_length) return {};
+  return fail(ErrorCode::range, body.location(id),
+              "The name '" + clean_text(name.substr(0, 40)) + "...' has " + std::to_string(length) + " characters; at most " +
+                  std::to_string(max_name_length) + " are allowed.",
+              "Give the entry a shorter name.");
+}
+
 /// On PostgreSQL: locks the entry's row until the end of the transaction. SQLite allows only one writer, so no lock is needed.
 Result<void> lock(const LibraryBody& body, std::int64_t no) {
   if (!body.connection->dialect().postgres) return {};
@@ -78,6 +88,7 @@ Result<std::string> put_item(const LibraryBody& body, const LibraryItem& item, c
                   body.author,
                   now};
   if (Result<void> good = check_item(body, entry.id, entry.newest.name, item.summary); !good) return fail(std::move(good.error()));
+  if (Result<void> good = check_name(body, entry.id, entry.newest.name); !good) return fail(std::move(good.error()));
   for (const std::string& tag : item.tags)
     if (std::string clean = trimmed(tag); !clean.empty()) entry.tags.push_back(std::move(clean));
   std::ranges::sort(entry.tags);
@@ -141,6 +152,8 @@ Result<LibraryEntry> Library::save(const LibrarySave& save) {
     if (save.summary) next.summary = *save.summary;
     if (save.note) next.note = clean_text(*save.note);
     if (Result<void> good = check_item(*body_, save.id, next.name, next.summary); !good) return fail(std::move(good.error()));
+    if (next.name != entry->newest.name)
+      if (Result<void> good = check_name(*body_, save.id, next.name); !good) return fail(std::move(good.error()));
     if (save.data) {
       next.data = sha256(*save.data);
       next.content = entry_id(*kind, *save.data);
@@ -190,6 +203,7 @@ Result<LibraryEntry> Library::duplicate(std::string_view id, std::string_view na
     entry->newest.author = body_->author;
     entry->newest.name = trimmed(name);
     if (Result<void> good = check_item(*body_, id, entry->newest.name, entry->newest.summary); !good) return fail(std::move(good.error()));
+    if (Result<void> good = check_name(*body_, id, entry->newest.name); !good) return fail(std::move(good.error()));
     const Result<std::int64_t> no = insert_entry(*body_->connection, *entry);
     if (!no) return fail(no.error());
     if (*no == 0) return fail(ErrorCode::conflict, body_->location(entry->id), "The random id is already in use.", "Try again.");

@@ -166,6 +166,7 @@ Admission Gate::admit(const Credentials& credentials) const {
   if (credentials.host_count != 1 || (credentials.host != host() && !(default_port && credentials.host == "127.0.0.1"))) {
     return Admission::bad_host;
   }
+  if (credentials.origin_count > 1) return Admission::bad_origin;
   if (credentials.origin && *credentials.origin != origin() && !(default_port && *credentials.origin == "http://127.0.0.1")) {
     return Admission::bad_origin;
   }

@@ -253,7 +253,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     Credentials c;
     c.host_count = request.count(http::field::host);
     c.host = view(request[http::field::host]);
-    if (request.count(http::field::origin) != 0) c.origin = view(request[http::field::origin]);
+    c.origin_count = request.count(http::field::origin);
+    if (c.origin_count != 0) c.origin = view(request[http::field::origin]);
     c.authorization = view(request[http::field::authorization]);
     c.subprotocols = view(request[http::field::sec_websocket_protocol]);
     c.path = target_.path;

@@ -16,6 +16,7 @@
 #include "ugoki/studio/error_json.h"
 #include "ugoki/studio/frame.h"
 #include "ugoki/studio/interpreter.h"
+#include "ugoki/studio/message_id.h"
 #include "ugoki/studio/session_request.h"
 
 namespace ugoki::studio {
@@ -90,7 +91,9 @@ void Session::on_message(ClientId client, std::string_view text) {
   const auto made = std::make_shared<Request>();
   Request& request = *made;
   request.client = client;
-  if (Result<Json> read = json::parse_json(text, "message")) request.json = std::move(*read);
+  Result<Json> read = json::parse_json(text, "message");
+  if (!read) return reply(client, id_of_invalid_message(text), fail(std::move(read.error())));
+  request.json = std::move(*read);
   if (!request.json.is_object()) {
     return reply(
         client, "null",

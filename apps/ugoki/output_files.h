@@ -1,0 +1,28 @@
+#pragma once
+// Checks the files that a verb will write, before it reads or computes anything.
+
+#include <string>
+#include <vector>
+
+#include "sources.h"
+#include "ugoki/base/result.h"
+
+namespace ugoki::cli {
+
+/// A file that a verb reads or writes, and the option or argument that names it.
+struct NamedFile {
+  std::string option;  ///< for example "--csv" or "the input"
+  std::string path;    ///< empty: the option was not given
+};
+
+/// Refuses outputs that would destroy data: an output must not be an input, another output, or an existing project or library of Ugoki.
+/// Files are the same if they have the same device and inode, or the same path after symbolic links are followed. Inputs that are not files
+/// (entries of the library) and outputs that are devices (/dev/null) are not compared.
+/// Error: code `conflict`, the location is the path of the output.
+[[nodiscard]] Result<void> check_outputs(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs);
+
+/// The files that are read for a verb's argument: `target` itself, the skeleton of an AMC file, and the files that options name.
+[[nodiscard]] std::vector<NamedFile> input_files(const std::string& target, const SourceOptions& options);
+[[nodiscard]] std::vector<NamedFile> input_files(const std::vector<std::string>& targets, const SourceOptions& options);
+
+}  // namespace ugoki::cli

@@ -1,0 +1,172 @@
+// Outputs never overwrite an input, another output, a project or a library; special files and names with control characters.
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "cli_fixture.h"
+
+namespace ugoki::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+class OutputFilesCliTest : public CliTest {
+ protected:
+  std::string project() const {
+    does({"new", path("z.ugoki")});
+    return path("z.ugoki");
+  }
+  std::string executable(const std::string& project) const {
+    does({"run", project, "--steps", "1", "--ugx", path("x.ugx")});
+    return path("x.ugx");
+  }
+  std::string circuit(const std::string& name = "t") const {
+    return write("c.json", Json{{"version", 1}, {"name", name}, {"lsis", Json::array()}}.dump());
+  }
+  /// Whether the text has no character that acts on a terminal. Line feeds end lines.
+  static bool is_plain(const std::string& text) {
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      const auto c = static_cast<unsigned char>(text[i]), next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
+      if ((c < 0x20 && c != '\n') || c == 0x7F || (c == 0xC2 && next < 0xA0)) return false;
+    }
+    return text.find("\u202e") == std::string::npos && text.find("\u2066") == std::string::npos && text.find("\nfake") == std::string::npos;
+  }
+};
+
+TEST_F(OutputFilesCliTest, InputsAreNotOverwritten) {
+  const std::string z = project(), x = executable(z), bvh = walk(), c = circuit();
+  const std::string record = path("r.json"), source = write("ok.c", "double twice(double x) { return 2 * x; }\n"), body = path("m.json");
+  does({"circuit", "run", c, "--duration", "0.01", "--record", record});
+  does({"mechanism", "body", bvh, "-o", body});
+  fs::create_symlink("z.ugoki", path("link"));
+  fs::create_symlink(".", path("folder"));
+  fs::create_hard_link(bvh, path("hard.bvh"));
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"export", z, "--ugx", z},
+        {"run", z, "--steps", "1", "--ugx", z},
+        {"run", z, "--steps", "1", "--ugx", path("link")},
+        {"run", z, "--steps", "1", "--ugx", path("folder/z.ugoki")},
+        {"run", x, "--steps", "1", "--frames", x},
+        {"bake", bvh, "--duration", "0.01", "--table", path("b.db"), "--csv", bvh},
+        {"bake", bvh, "--duration", "0.01", "--table", bvh},
+        {"circuit", "run", c, "--duration", "0.01", "--record", c},
+        {"circuit", "run", c, "--duration", "0.01", "--replay", record, "--record", record},
+        {"circuit", "run", c, "--duration", "0.01", "--lsi", x, "--record", x},
+        {"circuit", "export-fmu", c, c},
+        {"lsi", "build", source, "-o", source},
+        {"motion", "mirror", bvh, "-o", bvh},
+        {"motion", "mirror", bvh, "-o", path("hard.bvh")},
+        {"motion", "join", bvh, path("hard.bvh"), "-o", bvh},
+        {"retarget", bvh, "--height", "1.5", "-o", bvh},
+        {"retarget", bvh, "--to", body, "--mechanism-out", body},
+        {"mechanism", "mirror", body, "-o", body},
+        {"convert", bvh, bvh},
+        {"import", bvh, "--dry-run", "--bvh", bvh},
+        {"info", bvh, "--mapping-out", bvh}}) {
+    SCOPED_TRACE(arguments[0] + " " + arguments[1]);
+    fails(arguments, "would overwrite");
+  }
+}
+
+TEST_F(OutputFilesCliTest, ProjectsAndLibrariesAreNotOverwritten) {
+  const std::string z = project(), x = executable(z), bvh = walk();
+  json({"import", bvh});
+  for (const std::string& file : {z, library_}) {
+    fails({"run", x, "--steps", "1", "--frames", file}, "would overwrite");
+    fails({"export", x, "--duration", "0.01", "--csv", file}, "would overwrite");
+    fails({"bake", bvh, "--duration", "0.01", "--table", file}, "would overwrite");
+    fails({"circuit", "run", circuit(), "--duration", "0.01", "--record", file}, "would overwrite");
+  }
+  fails({"bake", bvh, "--duration", "0.01", "--table", write("text", "not a table")}, "");
+}
+
+TEST_F(OutputFilesCliTest, TwoOutputsHaveTwoFiles) {
+  const std::string x = executable(project()), bvh = walk();
+  const std::string same = path("o"), other = path("./o");
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"run", x, "--steps", "1", "--ugx", same, "--frames", other},
+                                                    {"export", x, "--duration", "0.01", "--csv", same, "--glb", same},
+                                                    {"bake", bvh, "--duration", "0.01", "--table", same, "--csv", other}}) {
+    SCOPED_TRACE(arguments[0]);
+    fails(arguments, "Two outputs have the same file");
+    EXPECT_FALSE(fs::exists(same));
+  }
+}
+
+TEST_F(OutputFilesCliTest, TablesOfSweepsAreContinued) {
+  const std::vector<std::string> bake = {"bake", walk(), "--duration", "0.01", "--table", path("b.db"), "--csv", path("b.csv")};
+  does(bake);
+  const std::string table = read(path("b.csv"));
+  EXPECT_EQ(json(bake)["added"], 0);
+  EXPECT_EQ(read(path("b.csv")), table);
+}
+
+TEST_F(OutputFilesCliTest, DevicesAreNotReadAndPipesStay) {
+  for (const char* verb : {"info", "run", "judge"}) fails({verb, "/dev/zero"}, "device");
+  fs::create_symlink("/dev/zero", path("walk.bvh"));
+  fails({"info", path("walk.bvh")}, "device");
+  fails({"circuit", "check", "/dev/zero"}, "device");
+  fails({"import", path("walk.bvh")}, "device");
+  const std::string pipe = path("pipe.csv"), bvh = walk("real.bvh");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::string got;
+  std::thread reader([&] { got = read(pipe); });
+  const int writer = ::open(pipe.c_str(), O_WRONLY | O_CLOEXEC);  // frees the reader even if the program replaces the pipe
+  does({"convert", bvh, pipe});
+  ::close(writer);
+  reader.join();
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  does({"convert", bvh, path("file.csv")});
+  EXPECT_TRUE(got == read(path("file.csv")));
+}
+
+TEST_F(OutputFilesCliTest, NamesDoNotActOnTheTerminal) {
+  const std::string evil = "\x1b]0;title\a\x1b[2J\x7f\u009b31m\u202e\u2066\nfake: line";
+  const std::string c = circuit(evil);
+  const std::string bvh = [&] {
+    std::string text = read(walk());
+    const std::size_t at = text.find("JOINT ") + 6;
+    return write("evil.bvh", text.insert(at, "x\x1b[31m\u009b\u202e"));
+  }();
+  const std::string odd_file = write("odd\x1b[31m\u202e.json", "{");
+  const std::string example = write("e.test.json", Json{{"name", evil}, {"circuit", {{evil, 1}}}, {evil, 3}}.dump());
+  const std::string record = write("r.json", Json{{"version", 1}, {evil, evil}}.dump());
+  const std::string unknown =
+      write("u.json", Json{{"version", 1}, {"name", "t"}, {"lsis", Json::array({{{"id", evil}, {"type", evil}}})}}.dump());
+  json({"import", walk("import.bvh"), "--name", "walk\u202e\u009b31m"});
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"circuit", "run", c, "--duration", "0.01"},
+                                                    {"circuit", "run", c, "--duration", "0.01", "--replay", record},
+                                                    {"circuit", "run", unknown, "--duration", "0.01"},
+                                                    {"circuit", "check", unknown, odd_file},
+                                                    {"circuit", "test", example},
+                                                    {"info", bvh},
+                                                    {"info", bvh, "--json"},
+                                                    {"import", bvh, "--dry-run"},
+                                                    {"run", bvh, "--steps", "1"},
+                                                    {"run", "no" + evil},
+                                                    {"run", "--no" + evil},
+                                                    {"run", c, "--no", evil},
+                                                    {"db", "list"},
+                                                    {"db", "list", "--json"},
+                                                    {"lsi", "build", write("l.c", "double f(double x) { return x; }\n"), "--name", evil}}) {
+    const Output o = ugoki(arguments);
+    EXPECT_TRUE(is_plain(o.out)) << arguments[0] << " " << arguments[1] << "\n" << Json(o.out).dump();
+    EXPECT_TRUE(is_plain(o.err)) << arguments[0] << " " << arguments[1] << "\n" << Json(o.err).dump();
+    EXPECT_FALSE(o.out.empty() && o.err.empty());
+  }
+  EXPECT_NE(ugoki({"circuit", "run", c, "--duration", "0.01"}).out.find("\\x1b]0;title\\x07"), std::string::npos);
+  EXPECT_EQ(json({"db", "list"})["entries"][0]["name"].get<std::string>().find("\\u"), std::string::npos) << "JSON is unescaped once";
+}
+
+TEST_F(OutputFilesCliTest, NamesOfEntriesHaveAMaximumLength) {
+  const std::string bvh = walk(), too_long(201, 'n');
+  fails({"import", bvh, "--name", too_long}, "at most 200");
+  const std::string id = json({"import", bvh})["files"][0]["ids"]["motion"];
+  fails({"db", "rename", id, too_long}, "at most 200");
+  fails({"motion", "mirror", bvh, "-o", too_long}, "at most 200");
+}
+
+}  // namespace
+}  // namespace ugoki::cli
