@@ -161,9 +161,9 @@ Result<void> write_robot(const publish::Take& take, const Options& o, const char
 }
 
 int run_export(Options o) {
-  std::vector<NamedFile> inputs = input_files(o.target, o.source);
-  inputs.push_back({"--inputs", o.inputs});
-  if (Result<void> may = check_outputs(inputs, o.outputs()); !may) return print_error(may.error(), o.json);
+  std::vector<NamedFile> read = input_files(o.target, o.source);
+  read.push_back({"--inputs", o.inputs});
+  if (Result<void> may = check_outputs(read, o.outputs()); !may) return print_error(may.error(), o.json);
   Result<ExecutableSource> source = load_executable(o.target, o.source);
   if (!source) return print_error(source.error(), o.json);
   const std::span<const std::byte> ugx = source->ugx;

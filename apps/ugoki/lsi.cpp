@@ -124,7 +124,7 @@ Result<void> ask_consent(const Options& o, const plugin::Inspection& file, const
                 "Download the library again from the publisher of the hash.");
   const std::string needed = needed_text(file);
   if (o.yes || !o.hash.empty()) {
-    if (!needed.empty()) std::cerr << "ugoki: warning: " << path << ": " << needed << '\n';
+    if (!needed.empty()) print_message("warning: " + path + ": " + needed);
     return {};
   }
   if (isatty(STDIN_FILENO) == 0)
