@@ -19,10 +19,10 @@ struct ImportSettings {
   double unit = 0;          ///< length of the file's unit, m
   std::string up, forward;  ///< axes of the file's coordinates: "x", "-x", "y" ...; set both or neither
   double rate = 0;          ///< frame rate, 1/s
-  std::string mapping;      ///< JSON of an anatomy mapping that corrects the recognised limbs
-  std::string character;    ///< of a file with several: number from 1, or root joint
-  std::string take;         ///< of a file with several motions: number from 1, or name
-  bool travel = false;      ///< give a character that walks in place the travel of its feet
+  std::string mapping = {};    ///< JSON of an anatomy mapping that corrects the recognised limbs
+  std::string character = {};  ///< the character of a file with several: number from 1, or name of the root joint
+  std::string take = {};       ///< the motion of a file with several: number from 1, or name
+  bool travel = false;         ///< true: a character that walks in place gets the travel of its feet
 };
 
 /// Reads files and keeps them as stages until they are stored or dropped. To be used by one thread at a time.
