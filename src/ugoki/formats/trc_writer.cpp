@@ -18,10 +18,11 @@ std::string write_trc(const MarkerMotion& motion, const TrcWriteOptions& options
   out += "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n";
   out += rate + '\t' + rate + '\t' + frames + '\t' + std::to_string(motion.labels.size()) + '\t' + std::string(name_of_unit(metres)) +
          '\t' + rate + '\t' + first + '\t' + frames + "\nFrame#\tTime";
-  for (const std::string& label : motion.labels) {
-    out += '\t';
-    for (const char c : label) out += c == '\t' || c == '\n' || c == '\r' ? ' ' : c;
-    out += "\t\t";
+  for (std::size_t i = 0; i < motion.labels.size(); ++i) {
+    std::string name = motion.labels[i];
+    for (char& c : name) c = c == '\t' || c == '\n' || c == '\r' ? ' ' : c;
+    if (name.find_first_not_of(' ') == std::string::npos) name = "*" + std::to_string(i);  // readers skip columns without a name
+    out += '\t' + name + "\t\t";
   }
   out += "\n\t";
   for (std::size_t i = 1; i <= motion.labels.size(); ++i) {
