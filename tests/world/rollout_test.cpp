@@ -101,14 +101,16 @@ TEST(Rollout, AllocatesNothingAfterPreparation) {
   plugin::ThreadPool pool(2);
   Rollout rollout(world, &pool);
   std::vector<contact::StepReport> reports(worlds);
-  for (int k = 0; k < 2; ++k) {  // warm-up, twice because a world may run on another thread in each call
+  // In each call a world may run on another thread, whose buffers then grow to the size that this world needs.
+  constexpr int max_runs = 100, quiet_runs = 3;
+  int quiet = 0;  // number of successive runs without an allocation
+  for (int k = 0; k < max_runs && quiet < quiet_runs; ++k) {
     std::vector<WorldState> states = make_states(world);
+    const long before = allocations_so_far();
     rollout.run(states, {controls, 3 * world.nv()}, steps, dt, reports);
+    quiet = allocations_so_far() == before ? quiet + 1 : 0;
   }
-  std::vector<WorldState> states = make_states(world);
-  const long before = allocations_so_far();
-  rollout.run(states, {controls, 3 * world.nv()}, steps, dt, reports);
-  EXPECT_EQ(allocations_so_far() - before, 0);
+  EXPECT_EQ(quiet, quiet_runs);
 }
 
 TEST(Rollout, WorldWhoseStepFailsKeepsItsStateAndLeavesOthersAlone) {
