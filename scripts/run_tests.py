@@ -16,7 +16,7 @@ import subprocess
 import sys
 import time
 
-FAST_SECONDS, SLOW_SECONDS = 600, 3000  # time limits; a suite that exceeds its limit is ended and fails
+FAST_SECONDS, BROWSER_SECONDS, SLOW_SECONDS = 600, 1500, 3000  # time limits; a suite that exceeds its limit is ended and fails
 
 
 @dataclasses.dataclass
@@ -173,7 +173,7 @@ def run_all(options):
     if options.web:
         report(timed(vitest_suite, root, results))
     if options.e2e:
-        report(timed(lines_suite, "e2e", ["npm", "run", "--silent", "e2e"], FAST_SECONDS, cwd=root / "web"))
+        report(timed(lines_suite, "e2e", ["npm", "run", "--silent", "e2e"], BROWSER_SECONDS, cwd=root / "web"))
     if options.export:
         report(timed(lines_suite, "export", ["node", "e2e/export.mjs"] + (["--slow"] if options.slow else []),
                      SLOW_SECONDS if options.slow else FAST_SECONDS, cwd=root / "web"))

@@ -120,7 +120,7 @@ export const operations: readonly Operation[] = [
   },
 
   {
-    id: 'retarget', label: 'For another body', short: 'Other body', group: 'body', needs: 'body', hint: 'Adds a character with another body that performs the same motion, with standing feet and joints within their limits.',
+    id: 'retarget', label: 'For another body', short: 'Another body', group: 'body', needs: 'body', hint: 'Adds a character with another body that performs the same motion, with standing feet and joints within their limits.',
     fields: [{ kind: 'switch', key: 'balance', label: 'Keep balance', value: false, title: 'The centre of mass stays over the standing feet; for slow motions of robots' }],
   },
 ];

@@ -240,7 +240,7 @@ function Entries({ look, import_files, to_search }: { look: 'list' | 'grid'; imp
         ref={list}
         id="library-list"
         className={grid ? 'entries tiles' : 'entries'}
-        role="listbox"
+        role={entries.length > 0 ? 'listbox' : 'group'}
         tabIndex={0}
         aria-label={`Library, ${total} ${total === 1 ? 'entry' : 'entries'}`}
         aria-activedescendant={at >= 0 && at >= first * columns && at < last * columns ? `entry-${key_of(entries[at]!)}` : undefined}
