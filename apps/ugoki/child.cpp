@@ -128,7 +128,7 @@ std::string tail_of(const fs::path& log) {
   if (!text || text->empty()) return "";
   const std::string end = text->substr(text->size() > 400 ? text->size() - 400 : 0);
   std::string line = end.substr(0, end.find_last_not_of("\n") + 1);
-  std::ranges::replace(line, '\n', ' ');  // the message is one line
+  std::ranges::replace(line, '\n', ' ');  // a message is one line
   return " It printed: " + line;
 }
 

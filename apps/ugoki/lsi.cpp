@@ -108,7 +108,7 @@ std::string stated_content(const plugin::Inspection& file) {
   return out;
 }
 
-/// A sentence about the libraries that are loaded together with a library file; empty if there are none.
+/// Sentence that names the libraries which the library file `file` loads; empty if it loads none.
 std::string needed_text(const plugin::Inspection& file) {
   if (file.needed.empty()) return {};
   std::string out;

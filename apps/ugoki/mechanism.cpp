@@ -56,7 +56,7 @@ Result<MechanismPtr> load_mechanism(const std::string& target, const SourceOptio
   return formats::read_mechanism({reinterpret_cast<const char*>(data->data()), data->size()}, "library entry " + entry->id);
 }
 
-/// Loads the input with this number, after a check that the output will overwrite no input.
+/// Loads input `index` (from 0). Before, refuses --out if it would overwrite an input, a project or a library.
 Result<MechanismPtr> load_input(const Common& common, std::size_t index) {
   if (Result<void> may = check_outputs(input_files(common.inputs, common.source), {{"--out", common.out}}); !may)
     return fail(std::move(may.error()));

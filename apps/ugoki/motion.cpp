@@ -121,7 +121,7 @@ Json to_json(const FootLockReport& r) {
           {"missed_frame", r.miss_frame}};
 }
 
-/// Refuses an output file that is an input. An output that is not a file is an entry of the library.
+/// Refuses an output file that is an input. Outputs that are entries of the library are not checked.
 Result<void> check_output(const Common& c, const std::string& out) {
   return check_outputs(input_files(c.inputs, c.source), {{"--out", writes_file(out) ? out : ""}});
 }

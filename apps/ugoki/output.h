@@ -12,18 +12,18 @@ namespace ugoki::cli {
 
 using json::Json;
 
-/// Prints one line for each problem on stderr, as printable(); with `as_json` also an object {"error": {"problems": [...]}} on stdout.
+/// Prints each problem on a line of stderr, escaped by printable(); with `as_json` also an object {"error": {"problems": [...]}} on stdout.
 /// @return 1, the exit status
 int print_error(const Error& error, bool as_json);
 
 /// Prints a JSON value, indented by 2, and a newline.
 void print_json(const Json& value);
-/// Prints JSON text as printable_json(), and a newline.
+/// Prints JSON text, escaped by printable_json(), and a newline.
 void print_json_text(std::string_view text);
-/// Prints the line as printable(), and a newline. All text for people goes through this function or print_message(), because names in
-/// files may contain commands to the terminal.
+/// Prints the line, escaped by printable(), and a newline. All text for users is printed by this function or by print_message(), because
+/// names in files may contain control sequences of the terminal.
 void print_line(std::string_view line);
-/// Prints "ugoki: ", the message as printable(), and a newline on stderr.
+/// Prints "ugoki: ", the message, escaped by printable(), and a newline on stderr.
 void print_message(std::string_view message);
 /// Prints a table with columns padded to their widest cell; the first row is the heading. Columns with only numbers are right-aligned.
 void print_table(const std::vector<std::vector<std::string>>& rows);

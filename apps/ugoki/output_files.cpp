@@ -27,7 +27,7 @@ bool same_file(const std::string& a, const std::string& b) {
   return !error && whole_a == whole_b;
 }
 
-/// "a project" or "a library" if the regular file is one, by its header; else null. SQLite stores the application id big-endian at offset 68.
+/// "a project" or "a library" if the header of the file shows this; else null. SQLite stores the application id big-endian at byte 68.
 const char* kind_of_database(const std::string& path) {
   std::error_code none;
   if (!fs::is_regular_file(path, none)) return nullptr;

@@ -1,5 +1,5 @@
 #pragma once
-// Checks the files that a verb will write, before it reads or computes anything.
+// Checks of the files that a verb (subcommand of ugoki) will write, before the verb reads or computes anything.
 
 #include <string>
 #include <vector>
@@ -16,12 +16,12 @@ struct NamedFile {
 };
 
 /// Refuses outputs that would destroy data: an output must not be an input, another output, or an existing project or library of Ugoki.
-/// Files are the same if they have the same device and inode, or the same path after symbolic links are followed. Inputs that are not files
-/// (entries of the library) and outputs that are devices (/dev/null) are not compared.
+/// Two paths name the same file if device and inode are equal, or if the paths are equal after symbolic links are followed. Inputs that are
+/// entries of the library, and outputs that are devices (/dev/null), are not compared.
 /// Error: code `conflict`, the location is the path of the output.
 [[nodiscard]] Result<void> check_outputs(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs);
 
-/// The files that are read for a verb's argument: `target` itself, the skeleton of an AMC file, and the files that options name.
+/// The files that a verb reads for its argument `target`: the target, its skeleton if it is an AMC file, and the files in `options`.
 [[nodiscard]] std::vector<NamedFile> input_files(const std::string& target, const SourceOptions& options);
 [[nodiscard]] std::vector<NamedFile> input_files(const std::vector<std::string>& targets, const SourceOptions& options);
 

@@ -115,7 +115,7 @@ Result<TargetKind> kind_of(const std::string& target) {
   }
   if (Result<void> readable = files::check_readable(target); !readable) return fail(std::move(readable.error()));
   std::string head(72, '\0');
-  if (fs::is_regular_file(target, ignored)) {  // what is read from a pipe is lost, so its kind follows from its extension alone
+  if (fs::is_regular_file(target, ignored)) {  // a pipe cannot be read twice; its kind follows from its extension
     std::ifstream file(target, std::ios::binary);
     file.read(head.data(), static_cast<std::streamsize>(head.size()));
   }

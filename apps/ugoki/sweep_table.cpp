@@ -47,7 +47,7 @@ Result<void> check_address(const TableAddress& address) {
 }
 
 namespace {
-/// Refuses an existing file with other content than a table of `ugoki bake`. An empty file is accepted.
+/// Refuses an existing file that is not a table of `ugoki bake`. Empty files and databases without tables are accepted.
 Result<void> check_table_file(const std::string& path) {
   std::error_code none;
   if (!std::filesystem::exists(path, none)) return {};
@@ -62,7 +62,7 @@ Result<void> check_table_file(const std::string& path) {
   if (!application) return fail(application.error());
   if (*application != 0) return refuse();
   const Result<std::int64_t> tables = database->integer("SELECT count(*) FROM sqlite_master");
-  if (tables && *tables == 0) return {};  // a `bake` that was ended before it wrote its plan
+  if (tables && *tables == 0) return {};  // left by a `bake` that ended before it wrote its plan
   if (const Result<std::string> plan = database->text("SELECT value FROM property WHERE name = 'plan'"); !plan || plan->empty()) return refuse();
   return {};
 }

@@ -21,7 +21,7 @@ TEST(Printable, ControlsBecomeEscapes) {
   EXPECT_EQ(printable(std::string_view("\0\x1b]0;x\a\r\n\t\x7f", 11)), "\\x00\\x1b]0;x\\x07\\x0d\\x0a\\x09\\x7f");
   EXPECT_EQ(printable("\u0080\u009b\u009f\u00a0"), "\\x80\\x9b\\x9f\u00a0");
   EXPECT_EQ(printable("\u202a\u202e\u2066\u2069\u2028\u200f\u202f\u206a"), "\\u202a\\u202e\\u2066\\u2069\\u2028\\u200f\u202f\u206a");
-  // Bytes that are not UTF-8: a lone byte of each kind, an overlong form, a surrogate, a code above U+10FFFF, an incomplete character.
+  // Bytes that are not UTF-8: single invalid bytes, an overlong form, a surrogate, a code above U+10FFFF, an incomplete character.
   EXPECT_EQ(printable("\x9b\xff\xc0\xaf"), "\\x9b\\xff\\xc0\\xaf");
   EXPECT_EQ(printable("\xed\xa0\x80"), "\\xed\\xa0\\x80");
   EXPECT_EQ(printable("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");

@@ -25,7 +25,7 @@ class Slow_MisbehavingCliTest : public ShelfTest {
   }
 };
 
-/// The processes whose command line contains `text`, except this one.
+/// Ids of the processes whose command line contains `text`, except the test's own process.
 std::vector<pid_t> processes_with(const std::string& text) {
   std::vector<pid_t> out;
   for (const auto& entry : fs::directory_iterator("/proc")) {
@@ -47,7 +47,7 @@ TEST_F(SignalledCircuitTest, SignalToTheCommandEndsItsChild) {
     const pid_t command = start_program({"circuit", "run", circuit, "--duration", "1e9"}, {"UGOKI_LSI=" + folder_ + "/shelf"});
     for (int i = 0; i < 1000 && processes_with(circuit).size() < 2; ++i) ::usleep(10'000);
     ASSERT_EQ(processes_with(circuit).size(), 2u);
-    ::usleep(200'000);  // us: the child has begun to count ticks; an earlier signal ends it too
+    ::usleep(200'000);  // us, after which the child counts ticks; an earlier signal also ends it
     ::kill(command, number);
     const int status = wait_for(command);
     EXPECT_TRUE(status == 1 || status == 128 + number) << status;
@@ -56,7 +56,7 @@ TEST_F(SignalledCircuitTest, SignalToTheCommandEndsItsChild) {
   }
 }
 
-// An LSI copies the process with fork, and both copies return.
+// An LSI calls fork(), and both processes return from the LSI. Only the original process may print results.
 TEST_F(SignalledCircuitTest, CopyOfTheProcessWritesNoResults) {
   const std::string source = write("copies.c", "#include <unistd.h>\n/// @library copies\ndouble f(double t) { if (t > 0.015 && t < 0.025) fork(); return t; }\n");
   const std::string circuit = write("copies.json", R"({"version": 1, "name": "t", "lsis": [{"id": "c", "type": "clock"},
@@ -64,7 +64,7 @@ TEST_F(SignalledCircuitTest, CopyOfTheProcessWritesNoResults) {
   ASSERT_EQ(ugoki({"lsi", "build", source}).status, 0);
   const Output o = ugoki({"circuit", "run", circuit, "--lsi", folder_ + "/copies.so", "--dt", "0.01", "--duration", "0.05", "--json"});
   EXPECT_EQ(o.status, 0) << o.err;
-  EXPECT_EQ(Json::parse(o.out)["ticks"], 5);  // one object: two would not parse
+  EXPECT_EQ(Json::parse(o.out)["ticks"], 5);  // the output is one JSON object; two objects would not parse
 }
 
 TEST_F(Slow_MisbehavingCliTest, EachIsNamedAndFails) {

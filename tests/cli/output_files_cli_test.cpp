@@ -1,4 +1,4 @@
-// Outputs never overwrite an input, another output, a project or a library; special files and names with control characters.
+// Tests: outputs overwrite no input, output, project or library; devices are not read, pipes not replaced; printed names are escaped.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -26,7 +26,7 @@ class OutputFilesCliTest : public CliTest {
   std::string circuit(const std::string& name = "t") const {
     return write("c.json", Json{{"version", 1}, {"name", name}, {"lsis", Json::array()}}.dump());
   }
-  /// Whether the text has no character that acts on a terminal. Line feeds end lines.
+  /// True if no character of the text controls a terminal or the direction of text. Line feeds are allowed, because they end lines.
   static bool is_plain(const std::string& text) {
     for (std::size_t i = 0; i < text.size(); ++i) {
       const auto c = static_cast<unsigned char>(text[i]), next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
@@ -113,7 +113,7 @@ TEST_F(OutputFilesCliTest, DevicesAreNotReadAndPipesStay) {
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   std::string got;
   std::thread reader([&] { got = read(pipe); });
-  const int writer = ::open(pipe.c_str(), O_WRONLY | O_CLOEXEC);  // frees the reader even if the program replaces the pipe
+  const int writer = ::open(pipe.c_str(), O_WRONLY | O_CLOEXEC);  // lets the reader thread end even if the program replaces the pipe
   does({"convert", bvh, pipe});
   ::close(writer);
   reader.join();

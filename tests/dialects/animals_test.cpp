@@ -33,8 +33,8 @@ Result<MeasuredMotion> animal(const std::string& name, const std::string& take, 
   return m;
 }
 
-/// Imports a dialect. Unit and up axis are given, because a BVH file does not specify them, an animal has no usual height, and its legs may
-/// point anywhere when it lies.
+/// Imports a dialect. Unit and up axis are given, because a BVH file does not specify them: the unit cannot follow from the height of an
+/// animal, which varies, nor the up axis from its legs, which may have any direction when the animal lies.
 Result<intake::Intake> import(const DialectFile& file, const Dialect& d) {
   intake::IntakeOptions options;
   if (d.format != "glb") options.unit = d.unit;
@@ -69,9 +69,9 @@ void compare(const std::string& name, const std::string& take, int frames, bool 
     const auto other = import(write(rewrite(*motion, d), d, "dialect"), d);
     ASSERT_TRUE(other) << other.error().text();
     EXPECT_EQ(other->body->anatomy.plan, "four legs");
-    // Files that store ends and offsets as joints divide the body into other links, and have another lowest joint.
+    // In files that store bone ends and offsets as joints, the body has other links and another lowest joint.
     const bool other_links = d.format != "bvh" || d.helpers;
-    // The height is that of the measured pose closest to the mean pose, which depends on the sampled frames.
+    // The height is measured in the sampled frame closest to the mean pose, so it depends on the sampling.
     if (!other_links) {
       EXPECT_NEAR(other->body->height / original->body->height, 1, 0.05);
     }

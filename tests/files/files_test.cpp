@@ -115,18 +115,18 @@ TEST_F(Files, PipesAndDevicesAreWrittenIntoAndStay) {
   const std::string text(1'000'000, 'y');  // larger than the buffer of a pipe
   std::string got;
   std::thread reader([&] { got = read_file(path("pipe")).value_or("error"); });
-  const int writer = ::open(path("pipe").c_str(), O_WRONLY | O_CLOEXEC);  // waits for the reader, and frees it if the pipe is replaced
+  const int writer = ::open(path("pipe").c_str(), O_WRONLY | O_CLOEXEC);  // waits for the reader, and lets it end if the pipe is replaced
   EXPECT_TRUE(write_file(path("pipe"), text).has_value());
   ::close(writer);
   reader.join();
   EXPECT_TRUE(fs::is_fifo(path("pipe")));
   EXPECT_TRUE(got == text);
   EXPECT_EQ(entries(), 1U);
-  // A terminal is a device that a faulty write_file() could not replace: its file system lets nobody create files. /dev/null would be lost.
+  // The device is a terminal: a faulty write_file() cannot replace it, because nobody can create files there. /dev/null would be lost.
   const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
   ASSERT_TRUE(terminal >= 0 && ::grantpt(terminal) == 0 && ::unlockpt(terminal) == 0);
   const std::string device = ::ptsname(terminal);
-  const int open_device = ::open(device.c_str(), O_RDWR | O_NOCTTY);  // keeps what is written until it is read
+  const int open_device = ::open(device.c_str(), O_RDWR | O_NOCTTY);  // keeps the written bytes until they are read
   EXPECT_TRUE(write_file(device, "line").has_value());
   char line[8] = {};
   pollfd wait{terminal, POLLIN, 0};

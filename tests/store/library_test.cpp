@@ -83,7 +83,7 @@ TEST_P(LibraryTest, InvalidCharactersOfTextsAreReplaced) {
 
 TEST_P(LibraryTest, NamesHaveAMaximumLength) {
   Library library = open();
-  std::string longest, too_long;  // of two bytes a character
+  std::string longest, too_long;  // the characters have two bytes, because the limit counts characters
   for (std::size_t i = 0; i < max_name_length; ++i) longest += "\u00e9";
   too_long = longest + "x";
   const auto id = library.put(std::vector{make_item(EntryKind::motion, longest, "1")});

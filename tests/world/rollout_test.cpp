@@ -101,9 +101,9 @@ TEST(Rollout, AllocatesNothingAfterPreparation) {
   plugin::ThreadPool pool(2);
   Rollout rollout(world, &pool);
   std::vector<contact::StepReport> reports(worlds);
-  // In each call a world may run on another thread, whose buffers then grow to the size that this world needs.
+  // A world may run on another thread in each call; the buffers of this thread then grow to the size that the world needs.
   constexpr int max_runs = 100, quiet_runs = 3;
-  int quiet = 0;  // number of successive runs without an allocation
+  int quiet = 0;  // number of successive runs without an allocation, so far
   for (int k = 0; k < max_runs && quiet < quiet_runs; ++k) {
     std::vector<WorldState> states = make_states(world);
     const long before = allocations_so_far();

@@ -1,4 +1,4 @@
-// Journeys about accessibility and layout: axe-core in both themes, keyboard focus, and window sizes from 1024 x 640 to 4K.
+// Journeys (end-to-end tests) for accessibility and layout: axe-core in both themes, keyboard focus, windows from 960 x 600 px to 4K.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -20,7 +20,7 @@ async function violations(page) {
 
 const escape = (page) => page.keyboard.press('Escape');
 
-/** Views: how to open it, and how to leave it. */
+/** Views of the page: name, function that opens the view, and, if needed, function that leaves it. */
 const views = [
   ['the scenario', (page) => page.locator('.scenario').click({ position: { x: 400, y: 6 } })],
   ['a selected clip', (page) => page.locator('.clip').first().click()],
@@ -45,7 +45,7 @@ const views = [
 /** Widths and heights of the window, CSS px. A window of 1440 x 900 at a zoom of 150 % has 960 x 600 CSS px. */
 const windows = [[1024, 640], [1280, 720], [1440, 900], [960, 600], [3840, 2160]];
 
-/** Controls that something covers or cuts, and texts of the top bar that do not fit. Lists that scroll may cut their rows. */
+/** Names of controls that are covered or cut, and of neighbours in the top bar that overlap. Panels that scroll may cut their controls. */
 const crowded = (page) =>
   page.evaluate(() => {
     const bad = [];

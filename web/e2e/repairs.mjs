@@ -1,4 +1,4 @@
-// Journeys about faults that users reported: each failed before its repair.
+// Journeys (end-to-end tests) for faults that users reported. Each journey failed before the repair of its fault.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
 import { ready } from './browser.mjs';
@@ -7,7 +7,7 @@ import { mock } from './service.mjs';
 const skip = mock && 'the mock service has no library and no simulation';
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
 
-/** Waits until `ask` gives a value that is not false, and returns the value. */
+/** Calls `ask` until its result is truthy, and returns this result. Throws an error after `timeout` ms. */
 async function until(page, ask, description, timeout = 30000) {
   const end = Date.now() + timeout;
   for (;;) {

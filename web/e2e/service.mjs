@@ -51,7 +51,7 @@ export async function start_service() {
     run: (arguments_, input) => spawnSync(program, arguments_, { env, cwd: folder, encoding: 'utf8', input }),
     spawn: (arguments_) => spawn(program, arguments_, { env, cwd: folder, stdio: 'ignore' }),
     /**
-     * Kills the service, waits, and starts it again on the same port. @param new_key true: with a new key, so that all tokens become invalid
+     * Kills the service, waits `pause_ms` ms, and restarts it on the same port. @param new_key true: with a new key; all tokens become invalid
      * @return the newly printed address
      */
     restart: async (new_key, pause_ms) => {

@@ -3,7 +3,7 @@ import type { MechanismData } from '../src/core/protocol';
 import { lowest_point } from '../src/view/character_view';
 
 const half = Math.SQRT1_2;
-/** One link with a capsule of radius 0.1 m along its z axis, 0.6 m long without its ends. */
+/** Mechanism of one link with a capsule along its z axis: radius 0.1 m, length 0.6 m without the end caps. */
 const capsule = (neutral: number[]): MechanismData => ({
   id: 'm', name: 'Rod', dofs: 6, mass: 1, height: 0.8,
   links: [{ name: 'rod', parent: -1, joint: 'floating', dofs: 6, neutral, shapes: [{ type: 'capsule', radius: 0.1, half_length: 0.3, pose: [0, 0, 0, 1, 0, 0, 0] }] }],

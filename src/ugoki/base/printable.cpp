@@ -6,7 +6,7 @@
 namespace ugoki {
 namespace {
 
-/// One character of UTF-8 text. `code` is -1 if the bytes are not valid UTF-8; `size` is then 1.
+/// One character of UTF-8 text: code point and number of bytes. If the bytes are not valid UTF-8, `code` is -1 and `size` is 1.
 struct Character {
   std::int32_t code = -1;
   std::size_t size = 1;

@@ -61,7 +61,7 @@ class Recogniser {
     return path;
   }
 
-  /// Finds the longest path below each joint, and the branches that are long enough for a limb. Joints that only follow begin no branch.
+  /// Finds the longest path below each joint, and the branches that are long enough for a limb. Helper joints begin no branch.
   void find_branches() {
     const auto n = at(n_);
     down_.assign(n, 0);
@@ -109,7 +109,7 @@ class Recogniser {
       }
   }
 
-  /// True if the name of joint i is that of a helper and no joint below has the name of a body part.
+  /// True if joint i has the name of a helper joint (twist, end, hair, face) and no descendant has the name of a body part.
   [[nodiscard]] bool ignored(int i) const {
     if (!name(i).helper) return false;
     for (int k = i + 1; k < n_; ++k)
@@ -117,7 +117,7 @@ class Recogniser {
     return true;
   }
 
-  /// Counts joints of a path that are named as leg (arm) parts.
+  /// Number of joints of a branch whose named part passes `test`; a helper counts 0.3; at most 3.
   template <class Test>
   [[nodiscard]] double named(const Branch& b, const Test& test) const {
     double sum = 0;
@@ -225,7 +225,7 @@ class Recogniser {
     build(legs, arms, head);
   }
 
-  /// Probability that a choice with a property is the right one, if scores are log-likelihoods.
+  /// Probability that the right choice passes `test`, if the scores of the choices are log-likelihoods.
   template <class Test>
   [[nodiscard]] double share_of_choices(const Test& test) const {
     double with = 0, all = 0;
@@ -237,7 +237,7 @@ class Recogniser {
     return all > 0 ? with / all : 0;
   }
 
-  /// Score of a branch as neck and head; higher is better.
+  /// Score of branch h as neck and head; higher is better.
   [[nodiscard]] double score_head(int h, const Pair& legs, const Pair& arms) const {
     const Branch& b = branches_[at(h)];
     if (h == legs.first || h == legs.second || h == arms.first || h == arms.second) return -1e9;
@@ -276,7 +276,7 @@ class Recogniser {
       if (name(c).end) length = std::max(length, shape_.bone_length(c));
     return length;
   }
-  /// Agreement of a joint's name with the section that begins at the joint.
+  /// Score of the agreement between a joint's name and the wanted part; higher is better.
   [[nodiscard]] double fits(int joint, Part wanted) const {
     const NameEvidence& e = name(joint);
     if (e.helper) return -4;
@@ -286,7 +286,7 @@ class Recogniser {
   }
 
   /// Cost of dividing a limb at the joints u, l, e of its path. The cost depends on the lengths of the bones, their constancy in the
-  /// motion, the joints' names, and usual proportions. If e is the size of the path, the arm ends at the tip of its last bone.
+  /// motion, the joints' names, and usual proportions. If e is the size of the path, the limb ends at the tip of its last bone.
   [[nodiscard]] double division_cost(const Branch& b, bool leg, int u, int l, int e) const {
     const int count = static_cast<int>(b.path.size());
     const auto path = [&](int k) { return b.path[at(k)]; };
@@ -420,18 +420,18 @@ class Recogniser {
 
   [[nodiscard]] int joint_named(const std::string& wanted) const;
 
-  /// The recognised joints of a limb, replaced by those that the correction names.
+  /// The recognised joints of a limb, with the joints that the correction names in place of the recognised ones.
   [[nodiscard]] Limb corrected(Limb limb, const std::string& limb_name, bool leg) const;
 
   /// Rebuilds the character with the sections that the caller names.
   void apply_correction();
 
-  /// A character with the given limbs. Sets Character::why_not if they form no body.
+  /// Replaces the character by one with the given limbs. Sets Character::why_not if the limbs form no body.
   void rebuild(const std::array<Limb, 2>& legs, const std::array<Limb, 2>& arms, int head);
 
   void apply_plan();
 
-  /// Finds the head: the first neck joint that is named a head, otherwise the last one that carries a bone of the neck's length.
+  /// Finds the head: the joint of the correction, else the first neck joint that is named a head, else the last one that carries a bone.
   void find_head();
 
   /// Puts the left limb of each pair first. Names decide unless the character's shape and movement clearly contradict them.
@@ -443,7 +443,7 @@ class Recogniser {
   /// those of a human.
   [[nodiscard]] int more_limbs() const;
 
-  /// Decides between human and four-legged by the inclination of the trunk, the proportions and the names.
+  /// Chooses the body plan from the number of limbs, the inclination of the trunk, the proportions and the names.
   void decide_plan();
 
   /// Gives joints without a part the part of their parent. Joints below hand and foot become fingers, thumb or toes.
@@ -452,7 +452,7 @@ class Recogniser {
   /// Finds the thumb if no joint is named thumb: of several fingers of a hand, the one that points away from the others.
   void find_thumb(int side);
 
-  /// Marks the joints that only follow: named helpers, and ends whose parent has another joint on the path to the limb's tip.
+  /// Marks the helper joints of the body: joints below the pelvis for which ignored() is true.
   void find_helpers();
 
   /// A combination of legs and arms (indices of pairs) and head (index of a branch) with its score.
@@ -468,12 +468,12 @@ class Recogniser {
   std::vector<Choice> choices_;
   Choice chosen_;
   double side_confidence_ = 0;
-  int head_given_ = -1, tail_given_ = -1;  // joints, if the caller corrects the limbs
+  int head_given_ = -1, tail_given_ = -1;  // joints of head and tail that the correction names
   std::vector<NameEvidence> names_;
-  std::vector<double> down_;    // [joints] m, longest path below
-  std::vector<int> heir_;       // [joints] child on the longest path
-  std::vector<int> component_;  // [joints] joint from which bones connect to this joint
-  double size_ = 0;             // m, longest path between two ends
+  std::vector<double> down_;    // [joints] m, length of the longest path below the joint
+  std::vector<int> heir_;       // [joints] child on the longest path below the joint
+  std::vector<int> component_;  // [joints] closest of the joint and its ancestors that is a root or free
+  double size_ = 0;             // m, length of the longest path between two leaf joints
   double doubt_ = 0;
   std::vector<Branch> branches_;
   std::vector<Pair> pairs_;

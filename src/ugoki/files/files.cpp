@@ -57,7 +57,7 @@ std::unexpected<Error> failed(const std::string& path, const std::string& senten
   return fail(ErrorCode::io, path, sentence + " (" + std::strerror(error) + ").", remedy);
 }
 
-/// Error of a path that is neither a regular file nor a pipe; success for these. @param mode of stat()
+/// Returns an error unless the path is a regular file or a pipe. @param mode file mode from stat()
 Result<void> check_kind(const std::string& path, mode_t mode) {
   if (S_ISREG(mode) || S_ISFIFO(mode)) return {};
   if (S_ISDIR(mode)) return fail(ErrorCode::io, path, "This is a folder, not a file.", "Name a file inside it.");
@@ -84,7 +84,7 @@ Result<void> check_readable(const std::string& path) {
 }
 
 Result<std::string> read_file(const std::string& path, std::size_t max_size) {
-  // The kind is checked before, because opening some devices waits or has effects, and after, because the path may have changed.
+  // The kind is checked before opening, because opening a device may block or have effects, and again after it: the path may have changed.
   if (Result<void> readable = check_readable(path); !readable) return fail(std::move(readable.error()));
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (file.get() < 0) return failed(path, errno == ENOENT ? "The file does not exist" : "The file cannot be opened", errno);

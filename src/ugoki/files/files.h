@@ -14,8 +14,8 @@ namespace ugoki::files {
 /// memory.
 inline constexpr std::size_t default_max_size = std::size_t{1} << 31;
 
-/// Refuses a path that is not a regular file or a pipe: folders, devices (/dev/zero never ends) and sockets.
-/// Errors (their location is the path): the file does not exist, or is of another kind.
+/// Returns an error unless the path is a regular file or a pipe. Devices are refused because some never end (/dev/zero).
+/// Errors (their location is the path): the file does not exist, or is a folder, device or socket.
 [[nodiscard]] Result<void> check_readable(const std::string& path);
 
 /// Reads all bytes of the file; also works for pipes. Errors (their location is the path): the file does not exist, is not readable,

@@ -167,7 +167,7 @@ class Reader {
     }
   }
 
-  /// Compares NumMarkers with the number of names. If they differ, the columns of the first row decide which of them is right.
+  /// Compares NumMarkers with the number of names. If they differ, the filled columns of the data rows decide which of them is right.
   bool check_count(MarkerMotion& motion, std::string_view row) {
     const auto named = static_cast<long>(motion.labels.size());
     if (declared_markers_ < 0 || declared_markers_ == named) return true;
@@ -180,12 +180,12 @@ class Reader {
     long filled = filled_columns(row);
     std::string_view line;
     for (Lines rest = lines_; rest.next(line);) filled = std::max(filled, filled_columns(line));
-    const long count = filled / 3;  // markers that have a column, beside frame number and time
+    const long count = filled / 3;  // number of markers with values; the columns of frame number and time add no marker
     const bool padded = static_cast<long>(columns_of(row, separator_).size()) >= 2 + 3 * named;
     if (count == declared_markers_ && declared_markers_ < named && !padded) {
       motion.labels.resize(static_cast<std::size_t>(declared_markers_));
     } else if (declared_markers_ > named && count > named) {
-      // Unlabelled trajectories behind the named ones.
+      // Trajectories without a name follow the named ones. Each gets the name `*` and its index.
       const auto all = static_cast<std::size_t>(count);
       while (motion.labels.size() < all) motion.labels.push_back("*" + std::to_string(motion.labels.size()));
     } else if (!(count == named || (padded && count <= named))) {

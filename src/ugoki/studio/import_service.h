@@ -16,13 +16,13 @@ namespace ugoki::studio {
 
 /// The user's settings for reading a file. An empty text or zero means: use what the file's reader specifies or guesses.
 struct ImportSettings {
-  double unit = 0;          ///< length of the file's unit, m
-  std::string up, forward;  ///< axes of the file's coordinates: "x", "-x", "y" ...; set both or neither
-  double rate = 0;          ///< frame rate, 1/s
+  double unit = 0;             ///< length of the file's unit, m
+  std::string up, forward;     ///< axes of the file's coordinates: "x", "-x", "y" ...; set both or neither
+  double rate = 0;             ///< frame rate, 1/s
   std::string mapping = {};    ///< JSON of an anatomy mapping that corrects the recognised limbs
-  std::string character = {};  ///< the character of a file with several: number from 1, or name of the root joint
-  std::string take = {};       ///< the motion of a file with several: number from 1, or name
-  bool travel = false;         ///< true: a character that walks in place gets the travel of its feet
+  std::string character = {};  ///< selects one of several characters in the file: number from 1, or name of the root joint
+  std::string take = {};       ///< selects one of several motions in the file: number from 1, or name
+  bool travel = false;         ///< true: add the travel, computed from the feet, to a character that walks in place
 };
 
 /// Reads files and keeps them as stages until they are stored or dropped. To be used by one thread at a time.

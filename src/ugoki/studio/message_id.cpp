@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view blanks = " \t\r\n";
 
-/// Position after the string that begins at `at`, where its quote is.
+/// Position after the string whose opening quote is at position `at`.
 std::size_t end_of_string(std::string_view text, std::size_t at) {
   for (++at; at < text.size() && text[at] != '"'; ++at)
     if (text[at] == '\\') ++at;
@@ -22,7 +22,7 @@ std::size_t end_of_string(std::string_view text, std::size_t at) {
 std::string id_of_invalid_message(std::string_view text) {
   std::string found;
   int depth = 0;
-  bool after_field = false;  // the next string is a value, not the name of a field
+  bool after_field = false;  // true: the next string is the value of a field, not the name of a field
   for (std::size_t at = 0; at < text.size();) {
     const char c = text[at];
     if (c == '{' || c == '[') ++depth;

@@ -6,8 +6,8 @@
 
 namespace ugoki::studio {
 
-/// JSON text of the field "id" of a message that json::parse_json() refuses, for the reply. The field is read if it occurs once in the
-/// outermost object and is a number or a string; else the result is "null".
+/// Returns the value of the field "id", as JSON text for the reply, of a message that json::parse_json() refuses. Returns "null" unless the
+/// field occurs exactly once in the outermost object and its value is a number or a string.
 [[nodiscard]] std::string id_of_invalid_message(std::string_view text);
 
 }  // namespace ugoki::studio

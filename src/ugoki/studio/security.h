@@ -53,12 +53,12 @@ struct Target {
 
 /// The fields of a request that decide on its admission. Views into the request.
 struct Credentials {
-  std::string_view host;       ///< value of the Host header; empty if absent
-  std::size_t host_count = 0;  ///< number of Host headers
+  std::string_view host;                   ///< value of the Host header; empty if absent
+  std::size_t host_count = 0;              ///< number of Host headers
   std::optional<std::string_view> origin;  ///< value of the first Origin header
   std::size_t origin_count = 0;            ///< number of Origin headers
-  std::string_view authorization;  ///< value of the Authorization header
-  std::string_view subprotocols;   ///< Sec-WebSocket-Protocol header; used for /ws only
+  std::string_view authorization;          ///< value of the Authorization header
+  std::string_view subprotocols;           ///< Sec-WebSocket-Protocol header; used for /ws only
   std::string_view path;
 };
 

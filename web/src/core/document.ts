@@ -183,7 +183,7 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
 
 const by_start = (track: readonly Clip[]): Clip[] => [...track].sort((a, b) => a.start - b.start);
 
-/** Cross-fades between the clips of one track as they are played, s. `into` is the id of the later clip, which blends in. */
+/** Times of the cross-fades between the clips of one track as they are played, s. `into` is the id of the later clip, which blends in. */
 export function blend_spans(track: readonly Clip[]): { from: number; to: number; into: string }[] {
   return by_start(track)
     .slice(1)
@@ -191,7 +191,7 @@ export function blend_spans(track: readonly Clip[]): { from: number; to: number;
     .map((clip) => ({ from: clip.start, to: clip.start + Math.min(clip.blend, clip.length), into: clip.id }));
 }
 
-/** For each clip, by its id, the time in which the previous clip on the track is still playing, s. */
+/** Map from the id of each clip to the duration of its overlap with the previous clip on the track, s. */
 function overlaps(track: readonly Clip[]): Map<string, number> {
   const sorted = by_start(track);
   return new Map(
@@ -202,11 +202,11 @@ function overlaps(track: readonly Clip[]): Map<string, number> {
   );
 }
 
-const default_blend = 0.3; // s, cross-fade of a clip that does not overlap another: as the service sets it for new clips
+const default_blend = 0.3; // s, cross-fade of a clip without overlap; the service uses the same value for new clips
 
 /**
- * Commands that make the cross-fades of a track agree with the overlaps that changed between `before` and `after`: an overlap is played as the
- * cross-fade of the later clip.
+ * Commands that update the cross-fades of the clips whose overlap with the previous clip changed between `before` and `after`. The cross-fade
+ * becomes as long as the overlap, or, if the overlap ends, at most `default_blend`.
  */
 export function fit_blends(character: string, before: readonly Clip[], after: readonly Clip[]): Command[] {
   const was = overlaps(before);

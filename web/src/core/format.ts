@@ -17,7 +17,7 @@ export function format_number(value: number, digits = 2): string {
   return trimmed === '-0' ? '0' : trimmed;
 }
 
-/** A value for a field in which it can be edited: as format_number, but a small value keeps three significant digits instead of becoming 0. */
+/** Text of a value for an input field: like `format_number`, but small values have three significant digits instead of becoming 0. */
 export function format_field(value: number, digits = 2): string {
   const text = format_number(value, digits);
   return text === '0' && value !== 0 ? String(Number(value.toPrecision(3))) : text;

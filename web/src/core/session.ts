@@ -100,7 +100,7 @@ export class Session {
     this.client.retry();
   }
 
-  /** Ends the attempts to connect: the service does not accept this page until the user enters the new address. */
+  /** Ends the attempts to connect, because the service does not accept this page's token. The user must enter the new address. */
   refuse(): void {
     this.set({ connection: 'refused' });
     this.client.close();
@@ -327,7 +327,7 @@ export class Session {
     if (entries.length > 0) this.set({ library_revision: this.state.library_revision + 1 });
   }
 
-  /** Loads a mechanism into `mechanisms` unless it is loaded; fulfilled when it is loaded or an error was reported. */
+  /** Loads a mechanism into `mechanisms` if necessary. The promise is fulfilled when the mechanism is loaded or an error was reported. */
   need_mechanism(id: string): Promise<void> {
     if (this.state.mechanisms[id]) return Promise.resolve();
     let running = this.fetching.get(id);

@@ -30,7 +30,7 @@ const components: Record<string, FunctionComponent> = {
 
 const toggle_maximized = (api: { isMaximized(): boolean; maximize(): void; exitMaximized(): void }): void => (api.isMaximized() ? api.exitMaximized() : api.maximize());
 
-/** The tab of a panel. Of the tabs of a group, Tab reaches the selected one; the arrow keys, Home and End select another. */
+/** The tab of a panel. The Tab key reaches only the selected tab of a group; arrow keys, Home and End select another tab. */
 function Tab({ api }: IDockviewPanelHeaderProps): ReactElement {
   const element = useRef<HTMLDivElement>(null);
   useEffect(() => {
@@ -49,7 +49,7 @@ function Tab({ api }: IDockviewPanelHeaderProps): ReactElement {
   return <div ref={element} className="tab" onDoubleClick={() => toggle_maximized(api)} title="Double-click to maximise or restore the panel  (Ctrl Space)">{api.title}</div>;
 }
 
-/** Selects and focuses another tab of the group of the focused tab. */
+/** Key handler of a focused tab: selects and focuses the tab of the same group that the key names. */
 function move_between_tabs(event: ReactKeyboardEvent): void {
   const tab = (event.target as HTMLElement).closest<HTMLElement>('.dv-tab');
   if (!tab || event.target !== tab || event.ctrlKey || event.altKey || event.metaKey || event.shiftKey) return;
@@ -91,8 +91,8 @@ function add_circuit(api: DockviewApi): void {
 const min_viewport_width = 320; // px; with a smaller viewport the panels shrink with the window
 
 /**
- * Lays out the dock in `width` x `height` px. The viewport takes the difference to the size before: groups beside it keep their width, groups
- * above and below it their height.
+ * Sets the size of the dock to `width` x `height` px. Only the viewport changes its size, unless it would become too small: groups of panels
+ * beside it keep their width, and groups above and below it keep their height.
  */
 function lay_out(api: DockviewApi, width: number, height: number): void {
   const viewport = api.getPanel('viewport')?.group;
@@ -117,7 +117,7 @@ function restore_layout(api: DockviewApi): boolean {
     if (!text) return false;
     const layout = JSON.parse(text) as Parameters<DockviewApi['fromJSON']>[0];
     const { width, height } = api;
-    api.layout(layout.grid.width, layout.grid.height, true); // the size for which the stored sizes of the panels are meant
+    api.layout(layout.grid.width, layout.grid.height, true); // the size of the dock when the layout was stored
     api.fromJSON(layout);
     lay_out(api, width, height);
     return ['viewport', 'scenario', 'library', 'inspector'].every((id) => api.getPanel(id));
@@ -166,7 +166,7 @@ export function App(): ReactElement {
     const before_unload = (event: BeforeUnloadEvent): void => {
       if (session.state.project?.unsaved && session.state.connection === 'lost') event.preventDefault();
     };
-    // files can be dropped anywhere; handled before the dock and the panels, which take drags of panels and library entries
+    // files can be dropped anywhere; these handlers run in the capture phase, before those for dragged panels and library entries
     const file_over = (event: DragEvent): void => {
       if (!event.dataTransfer?.types.includes('Files')) return;
       event.preventDefault();

@@ -20,7 +20,7 @@ export function Menu({ x, y, items, close, over = false, label }: { x: number; y
     menu.style.left = `${Math.max(4, Math.min(x, window.innerWidth - menu.offsetWidth - 4))}px`;
     menu.style.top = `${Math.max(4, Math.min(y, window.innerHeight - menu.offsetHeight - 4))}px`;
   }, [over, x, y]);
-  // the element that had the focus gets it back; without it, keys would go to the page instead of the panel
+  // a closed menu returns the focus to the element that had it before; otherwise the page would receive the keys instead of the panel
   useEffect(() => {
     const before = document.activeElement as HTMLElement | null;
     return () => {

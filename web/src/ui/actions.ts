@@ -39,7 +39,7 @@ function add_copy(character: string, clip: Clip, start: number): void {
   insert_clip(character, { ...fields, start, id: session.fresh_id('k') });
 }
 
-/** Adds a clip and selects it. The scenario becomes longer if the clip ends after it; if the clip overlaps others, the overlap is the cross-fade. */
+/** Adds a clip and selects it. A clip that ends after the scenario makes it longer. An overlap with another clip becomes their cross-fade. */
 function insert_clip(character: string, clip: ClipFields & { id: string; motion: string; start: number }): void {
   const { document } = state();
   const track = document && find_character(document, character)?.track;
@@ -48,7 +48,7 @@ function insert_clip(character: string, clip: ClipFields & { id: string; motion:
   const added = { offset: 0, speed: 1, blend: 0.3, loop: false, ...clip, length };
   const blends = length > 0 ? fit_blends(character, track, [...track, added]) : [];
   const commands: Command[] = [{ type: 'clip.add', character, ...clip }, ...blends];
-  // without a motion the place is that of the neutral pose, with one it is a point of the floor
+  // `place` is the place of the neutral pose if the character has no clip, and a point on the floor if it has clips
   const { mechanism, place } = find_character(document, character)!;
   if (track.length === 0 && place.z !== 0 && Math.abs(place.z - standing_height(mechanism)) < 2e-3) commands.unshift({ type: 'character.set', id: character, place: { z: ground_height() } });
   const command: Command = commands.length > 1 ? { type: 'group', label: 'Add clip', commands } : commands[0]!;
@@ -104,13 +104,13 @@ export function add_motion(character: string, motion: string, start: number): vo
 
 const ground_height = (): number => state().document?.ground?.height ?? 0;
 
-/** Height at which a mechanism in its neutral pose stands on the floor, m; that of the floor if the mechanism is not loaded. */
+/** Height of the place at which a mechanism in its neutral pose stands on the floor, m; the floor's height if the mechanism is not loaded. */
 function standing_height(mechanism: string): number {
   const data = state().mechanisms[mechanism];
   return ground_height() - (data ? Math.round(lowest_point(data) * 1000) / 1000 : 0);
 }
 
-/** Adds a character that stands on the floor at `place` (m), or beside the others if there is no room. @param motion its first clip */
+/** Adds a character that stands on the floor at `place` (m), or beside the others if there is no room. @param motion motion of its first clip */
 export async function add_character(mechanism: string, place?: { x: number; y: number }, motion?: string): Promise<void> {
   if (!motion) await session.need_mechanism(mechanism);
   const entry = session.entry(mechanism);
@@ -190,8 +190,8 @@ const look_from = (azimuth: number, elevation: number) => (): void => {
   parts.viewport?.invalidate();
 };
 
-const key_step = 24; // px: a key turns or moves the view as a drag of this length does
-/** @param action how a drag by (dx, dy) px acts on the view */
+const key_step = 24; // px: one key press turns or moves the view like a drag of this length
+/** Command that turns ('orbit') or moves ('pan') the view like a drag by (dx, dy) px. */
 const move_view = (action: 'orbit' | 'pan', dx: number, dy: number) => (): void => {
   const { viewport } = parts;
   if (!viewport) return;

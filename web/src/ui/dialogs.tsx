@@ -246,7 +246,7 @@ function SaveAs(): ReactElement {
 export function Toasts(): ReactElement {
   const toasts = useStudio((s) => s.toasts);
   const region = useRef<HTMLDivElement>(null);
-  // over the viewport, where they hide no controls; at the lower right of the page while the viewport is not visible
+  // messages appear over the viewport, where they hide no controls, or at the lower right of the page if the viewport is not visible
   useLayoutEffect(() => {
     const viewport = document.querySelector('.viewport');
     const element = region.current;
@@ -287,7 +287,7 @@ export function Toasts(): ReactElement {
   );
 }
 
-/** Asks for the newly printed address after a restart of the studio with another key. The page keeps its state meanwhile. */
+/** Banner that asks for the newly printed address after the studio was restarted with another key. The page keeps its state. */
 function EnterAddress(): ReactElement {
   const [text, set_text] = useState('');
   const [wrong, set_wrong] = useState(false);

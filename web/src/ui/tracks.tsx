@@ -9,9 +9,9 @@ import { desk, plain_canvas, session, useDesk, usePage, useStudio } from './app'
 
 const edge_px = 7; // width of the zone at a clip's edge in which a drag trims the clip
 const snap_px = 8; // distance, px, within which a dragged edge snaps to a target
-const min_text_px = 90; // width of a pill from which on its text is inside it, instead of after it
-const min_pill_px = 8; // width of the pill of an event without duration, so that it can be dragged
-const longest_blend = 60; // s, as docs/scenario.md allows
+const min_text_px = 90; // px: a pill of this width or more contains its text; a narrower pill has the text to its right
+const min_pill_px = 8; // px: minimum width of an event's pill, so that events without duration can be dragged
+const longest_blend = 60; // s, maximum cross-fade that the service accepts (content/scenario.cpp)
 const drag_px = 3; // pointer travel, px, below which a press is a click
 
 /** The preview of a dragged clip or library entry on a track. */
@@ -207,7 +207,7 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
   );
 }
 
-/** `command` together with the changes of cross-fades that its changes of overlaps require. */
+/** `command` grouped with the commands that adapt cross-fades to the overlaps that `command` changes. */
 function with_blends(document: ScenarioDocument, command: Extract<Command, { type: 'clip.set' }>): Command {
   const track = (doc: ScenarioDocument): Clip[] => find_character(doc, command.character)?.track ?? [];
   const blends = fit_blends(command.character, track(document), track(apply_command(document, command)));
@@ -220,9 +220,9 @@ interface ClipBoxProps {
   name: string;
   motion_duration: number | undefined;
   view: TimeView;
-  /** True: another clip begins before this clip, which therefore begins with a cross-fade. */
+  /** True: another clip begins before this clip, so this clip may begin with a cross-fade. */
   blended: boolean;
-  /** Time at the start of the clip that overlaps the previous clip, s; the clip's name is drawn after it. */
+  /** Duration of the cross-fade at the start of the clip, s; the clip's name is drawn after the cross-fade. */
   covered: number;
   selected: boolean;
   on_guide: (time: number | null) => void;
@@ -282,7 +282,7 @@ function ClipBox({ character, clip, name, motion_duration, view, blended, covere
     });
   };
 
-  /** Drags the end of the cross-fade. */
+  /** Drags the handle at the end of the cross-fade, which changes its duration. */
   const drag_blend = (event: React.PointerEvent<HTMLElement>): void => {
     const document = session.state.document;
     if (event.button !== 0 || !document) return;

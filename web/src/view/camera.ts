@@ -4,7 +4,7 @@ import * as THREE from 'three';
 const field_of_view = 36; // vertical angle of view, degrees
 const smooth_time = 0.09; // time constant of the camera's motion, s
 const border = 0.09; // margin on each side of framed objects, as a fraction of the view's width and height
-const min_height = 0.05; // m, of the camera above the floor while the view is orbited
+const min_height = 0.05; // minimum height of the camera above the floor while the view is turned, m
 const follow_time = 0.28; // time constant with which the camera follows a character, s
 
 /** Position of the camera in spherical coordinates around a target. */
@@ -30,7 +30,7 @@ export class CameraRig {
   private aspect = 1;
   /** Smoothed position of the followed point; null: no point is followed. */
   private followed: THREE.Vector3 | null = null;
-  /** What `followed` belongs to. */
+  /** Id of the object to which the followed point belongs; null: none. */
   private followed_object: unknown = null;
   private readonly follow_goal = new THREE.Vector3();
 
@@ -53,7 +53,7 @@ export class CameraRig {
     this.apply();
   }
 
-  /** Turns the view. The camera stays above the floor, unless it was below it before. @param dx, dy movement of the pointer, px */
+  /** Turns the view. The camera stays above the floor, unless it is already below the floor. @param dx, dy movement of the pointer, px */
   orbit(dx: number, dy: number): void {
     const { goal } = this;
     goal.azimuth -= dx * 0.0075;
@@ -130,7 +130,7 @@ export class CameraRig {
 
   /**
    * Moves the view along with `point` (m); null stops following. The offset of the view from the point is kept.
-   * @param object what the point belongs to; if it changes, the view does not move to the new point but moves along with it from then on
+   * @param object id of the object to which the point belongs; if it changes, the view does not jump to the new point, but follows it from then on
    */
   follow(point: THREE.Vector3 | null, object: unknown = null): void {
     if (!point) {

@@ -16,7 +16,7 @@ import { Stage } from './stage';
 
 const ghost_offsets = [-0.8, -0.4, 0.4, 0.8]; // times of the ghosts relative to the current frame, s
 const trail_seconds = 4; // time span of a trail, s
-const reach = 10; // px: distance from the pointer up to which a link is found
+const reach = 10; // maximum distance between the pointer and a link that is picked, px
 const max_contact_arrows = 48; // maximum number of contacts that are drawn with arrows
 
 /** The objects drawn for one character. */
@@ -123,7 +123,7 @@ export class Viewport {
 
   // ---- picking and projection ----
 
-  /** The link at a point of the page, or otherwise a link at most `reach` px away, or null. @param client_x, client_y px */
+  /** The link at a point of the page; else a link within about `reach` px of the point; else null. @param client_x, client_y px */
   pick(client_x: number, client_y: number): Pick | null {
     const groups = [...this.drawn.values()].map((entry) => entry.character_view.group);
     const look = (dx: number, dy: number): Pick | null => {

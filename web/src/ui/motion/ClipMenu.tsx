@@ -16,7 +16,7 @@ export function begin(operation: Operation, target: ClipTarget): void {
 /** An ellipsis after names of operations that open a dialog. */
 const dots = (operation: Operation): string => (asks(operation) ? '…' : '');
 
-/** The name of an operation's button for screen readers: contains the text of the button. */
+/** Name of an operation's button for screen readers; it contains the visible text of the button. */
 const spoken = (operation: Operation): string => (operation.label.toLowerCase().includes(operation.short.toLowerCase()) ? '' : `${operation.short}: `) + operation.label + dots(operation);
 
 export function ClipMenu(): ReactElement | null {
