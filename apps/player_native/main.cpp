@@ -110,9 +110,8 @@ int run_page(content::Player player, std::string page, const Options& o) {
   std::unique_ptr<player_native::OscReceiver> osc;
   if (o.osc >= 0) {
     constexpr auto osc_client = static_cast<studio::ClientId>(-1);  // not the id of any page
-    auto listening = player_native::OscReceiver::listen(static_cast<std::uint16_t>(o.osc), [&session](std::string message) {
-      session.on_message(osc_client, std::move(message), [] {});
-    });
+    auto listening = player_native::OscReceiver::listen(
+        static_cast<std::uint16_t>(o.osc), [&session](std::string message) { session.on_message(osc_client, std::move(message), [] {}); });
     if (!listening) return print_error(listening.error(), o.as_json);
     osc = std::move(*listening);
   }

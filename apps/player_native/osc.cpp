@@ -25,8 +25,8 @@ namespace {
 
 using json::Json;
 
-constexpr int max_depth = 8;            // maximum depth of bundles inside bundles
-constexpr std::size_t max_keys = 256;   // maximum number of keys pressed at the same time, more than any keyboard has
+constexpr int max_depth = 8;           // maximum depth of bundles inside bundles
+constexpr std::size_t max_keys = 256;  // maximum number of keys pressed at the same time, more than any keyboard has
 
 std::unexpected<Error> malformed(const char* what) {
   return fail(ErrorCode::syntax, "OSC packet", what, "Send messages of OSC 1.0; docs/export.md lists the addresses.");

@@ -35,9 +35,10 @@ struct Options {
   bool json = false;
 
   [[nodiscard]] std::vector<NamedFile> outputs() const {
-    return {{"--html", html}, {"--native", native}, {"--embed", embed},           {"--ugx", ugx},           {"--glb", glb},
-            {"--usda", usda}, {"--csv", csv},       {"--mjcf", mjcf},             {"--urdf", urdf},         {"--fbx", fbx},
-            {"--abc", abc},   {"--png", pictures.png}, {"--mp4", pictures.mp4}, {"--webm", pictures.webm}, {"--gif", pictures.gif}};
+    return {
+        {"--html", html},        {"--native", native},      {"--embed", embed},     {"--ugx", ugx}, {"--glb", glb}, {"--usda", usda},
+        {"--csv", csv},          {"--mjcf", mjcf},          {"--urdf", urdf},       {"--fbx", fbx}, {"--abc", abc}, {"--png", pictures.png},
+        {"--mp4", pictures.mp4}, {"--webm", pictures.webm}, {"--gif", pictures.gif}};
   }
   [[nodiscard]] bool wants_take() const {
     return !glb.empty() || !usda.empty() || !csv.empty() || !mjcf.empty() || !urdf.empty() || !fbx.empty() || !abc.empty();
@@ -105,7 +106,8 @@ Result<void> write_embed(const Options& o, const std::string& name, std::span<co
       '-');
   file += ".ugx";
   const fs::path folder = o.embed;
-  if (Result<void> may = check_outputs(input_files(o.target, o.source), {{"a file in --embed", (folder / file).string()}}); !may) return may;
+  if (Result<void> may = check_outputs(input_files(o.target, o.source), {{"a file in --embed", (folder / file).string()}}); !may)
+    return may;
   if (Result<void> done = write(report, "script", (folder / "ugoki-player.js").string(), *script); !done) return done;
   if (Result<void> done = write(report, "ugx", (folder / file).string(), ugx); !done) return done;
   const std::string page =
@@ -138,7 +140,8 @@ Result<publish::Take> run_take(const Options& o, std::span<const std::byte> ugx,
 }
 
 /// Writes the mechanism of one character, with its motion, as MJCF or URDF. @param kind "mjcf" or "urdf"
-Result<void> write_robot(const publish::Take& take, const Options& o, const char* kind, const std::string& path, std::vector<Written>& report) {
+Result<void> write_robot(const publish::Take& take, const Options& o, const char* kind, const std::string& path,
+                         std::vector<Written>& report) {
   const auto chosen = std::ranges::find_if(take.characters, [&](const publish::TakeCharacter& c) {
     return o.character.empty() ? c.links() > 0 : c.id == o.character || c.name == o.character;
   });
@@ -152,7 +155,8 @@ Result<void> write_robot(const publish::Take& take, const Options& o, const char
                                             : robot_formats::write_urdf(*chosen->mechanism, file.stem().string(), motion);
   for (const robot_formats::SideFile& extra : text.files) {
     const std::string beside = (file.parent_path() / extra.name).string();
-    if (Result<void> may = check_outputs(input_files(o.target, o.source), {{"a file beside --" + std::string(kind), beside}}); !may) return may;
+    if (Result<void> may = check_outputs(input_files(o.target, o.source), {{"a file beside --" + std::string(kind), beside}}); !may)
+      return may;
     if (Result<void> done = write(report, kind, beside, extra.text); !done) return done;
   }
   if (!o.json)
@@ -286,7 +290,9 @@ void add_export_verb(CLI::App& app, Action& action) {
   file("--usda", o->usda, "USD as text: UsdSkel, materials, camera")->group("Other tools");
   file("--csv", o->csv, "Table of all link poses")->group("Other tools");
   file("--fbx", o->fbx, "FBX, *.fbx, written by Blender")->group("Other tools")->check(CLI::Validator(has_ending(".fbx"), "*.fbx"));
-  file("--abc", o->abc, "Alembic, *.abc, written by a Blender with support for Alembic")->group("Other tools")->check(CLI::Validator(has_ending(".abc"), "*.abc"));
+  file("--abc", o->abc, "Alembic, *.abc, written by a Blender with support for Alembic")
+      ->group("Other tools")
+      ->check(CLI::Validator(has_ending(".abc"), "*.abc"));
   verb->add_option("--blender", o->blender, "Blender (default: found on the path)")->group("Other tools");
   file("--mjcf", o->mjcf, "MuJoCo: mechanism of one character, its motion as keyframes")->group("Other tools");
   file("--urdf", o->urdf, "URDF: mechanism of one character, its motion as a table beside it")->group("Other tools");

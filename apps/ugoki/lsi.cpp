@@ -128,7 +128,8 @@ Result<void> ask_consent(const Options& o, const plugin::Inspection& file, const
     return {};
   }
   if (isatty(STDIN_FILENO) == 0)
-    return fail(ErrorCode::cancelled, path, "A library runs with all your rights; installing it needs your consent." + (needed.empty() ? "" : " " + needed),
+    return fail(ErrorCode::cancelled, path,
+                "A library runs with all your rights; installing it needs your consent." + (needed.empty() ? "" : " " + needed),
                 "If you trust it, add --yes, or --hash " + file.hash);
   print_line(stated_content(file) + " is a program that runs with all your rights.");
   print_line("SHA-256 " + file.hash);

@@ -23,7 +23,8 @@ bool is_device(const std::string& path) {
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code error;
   if (fs::equivalent(a, b, error)) return true;
-  const fs::path whole_a = fs::weakly_canonical(fs::absolute(a, error), error), whole_b = fs::weakly_canonical(fs::absolute(b, error), error);
+  const fs::path whole_a = fs::weakly_canonical(fs::absolute(a, error), error),
+                 whole_b = fs::weakly_canonical(fs::absolute(b, error), error);
   return !error && whole_a == whole_b;
 }
 
@@ -36,7 +37,9 @@ const char* kind_of_database(const std::string& path) {
   if (!file.read(head.data(), head.size()) || !std::string_view(head.data(), head.size()).starts_with("SQLite format 3")) return nullptr;
   std::int64_t application = 0;
   for (std::size_t i = 68; i < 72; ++i) application = application << 8 | static_cast<unsigned char>(head[i]);
-  return application == project::project_application_id ? "a project" : application == store::library_application_id ? "a library" : nullptr;
+  return application == project::project_application_id ? "a project"
+         : application == store::library_application_id ? "a library"
+                                                        : nullptr;
 }
 
 }  // namespace
@@ -53,9 +56,10 @@ Result<void> check_outputs(const std::vector<NamedFile>& inputs, const std::vect
                     "Name another file for the output.");
     for (std::size_t k = 0; k < i; ++k)
       if (!outputs[k].path.empty() && same_file(outputs[k].path, out.path))
-        return fail(ErrorCode::conflict, out.path,
-                    "Two outputs have the same file: " + out.option + " would overwrite " + outputs[k].path + " (" + outputs[k].option + ").",
-                    "Name a file of its own for each output.");
+        return fail(
+            ErrorCode::conflict, out.path,
+            "Two outputs have the same file: " + out.option + " would overwrite " + outputs[k].path + " (" + outputs[k].option + ").",
+            "Name a file of its own for each output.");
     if (const char* kind = kind_of_database(out.path))
       return fail(ErrorCode::conflict, out.path, out.option + " would overwrite " + out.path + ", which is " + kind + ".",
                   "Name another file for the output, or remove this one first.");
@@ -64,7 +68,8 @@ Result<void> check_outputs(const std::vector<NamedFile>& inputs, const std::vect
 }
 
 std::vector<NamedFile> input_files(const std::string& target, const SourceOptions& options) {
-  std::vector<NamedFile> out = {{"the input", target}, {"--asf", options.asf}, {"--mapping", options.mapping}, {"--loops", options.robot.loops}};
+  std::vector<NamedFile> out = {
+      {"the input", target}, {"--asf", options.asf}, {"--mapping", options.mapping}, {"--loops", options.robot.loops}};
   if (options.asf.empty() && intake::file_kind(target) == intake::FileKind::amc)
     out.push_back({"the skeleton of the input", intake::skeleton_name_for(target)});
   return out;

@@ -139,7 +139,8 @@ int run_run(const Options& options) {
   if (!options.executable.empty())
     if (Result<void> written = files::write_file(options.executable, std::span<const std::byte>(content->ugx)); !written)
       return print_error(written.error(), options.json);
-  Result<RunReport> report = simulate(content->ugx, content->name, {options.duration, options.frames, options.inputs, options.steps, options.threads});
+  Result<RunReport> report =
+      simulate(content->ugx, content->name, {options.duration, options.frames, options.inputs, options.steps, options.threads});
   if (!report) return print_error(report.error(), options.json);
   const content::PlayerMeasures worst = report->worst();
   double mass = 0;

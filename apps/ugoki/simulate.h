@@ -14,7 +14,7 @@
 namespace ugoki::plugin {
 class LiveLibrary;
 class ThreadPool;
-}
+}  // namespace ugoki::plugin
 
 namespace ugoki::cli {
 
@@ -38,7 +38,7 @@ struct RunReport {
   double processor = 0;    ///< processor time spent in steps, s; less than `wall` on a busy machine
   std::uint64_t state_hash = 0;
   std::vector<CharacterReport> characters;
-  content::PlayerStepQuality quality;  ///< sum over all steps
+  content::PlayerStepQuality quality;         ///< sum over all steps
   std::vector<content::PlayerTouch> touches;  ///< touches that began or ended; the first max_touches of them
   std::uint64_t touch_count = 0;              ///< number of all touches that began or ended
   static constexpr std::size_t max_touches = 10'000;

@@ -63,7 +63,8 @@ Result<void> check_table_file(const std::string& path) {
   if (*application != 0) return refuse();
   const Result<std::int64_t> tables = database->integer("SELECT count(*) FROM sqlite_master");
   if (tables && *tables == 0) return {};  // left by a `bake` that ended before it wrote its plan
-  if (const Result<std::string> plan = database->text("SELECT value FROM property WHERE name = 'plan'"); !plan || plan->empty()) return refuse();
+  if (const Result<std::string> plan = database->text("SELECT value FROM property WHERE name = 'plan'"); !plan || plan->empty())
+    return refuse();
   return {};
 }
 }  // namespace

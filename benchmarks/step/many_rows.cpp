@@ -94,8 +94,13 @@ void save_and_restore(Table& table) {
                                              },
                                              [&] { stepper.load(copy); }});
   char note[120];
-  std::snprintf(note, sizeof note, "store and copy %.0f ns, load %.0f ns; %zu bytes in use, %zu DOFs", times[0], times[1], state.bytes().size(), nv);
-  table.add({.row = name, .ours_ns = times[0] + times[1], .peer = {}, .extra = {{"bytes", static_cast<double>(state.bytes().size())}}, .note = note});
+  std::snprintf(note, sizeof note, "store and copy %.0f ns, load %.0f ns; %zu bytes in use, %zu DOFs", times[0], times[1],
+                state.bytes().size(), nv);
+  table.add({.row = name,
+             .ours_ns = times[0] + times[1],
+             .peer = {},
+             .extra = {{"bytes", static_cast<double>(state.bytes().size())}},
+             .note = note});
 }
 
 void roll_out(Table& table) {
@@ -129,7 +134,8 @@ void roll_out(Table& table) {
   if (a.hash != b.hash) throw std::runtime_error("rollouts on one and two threads differ");
   const double each = 1e9 / (worlds * steps);
   char note[160];
-  std::snprintf(note, sizeof note, "one thread %.0f steps/s, two threads %.0f: %.1f %% of twice one by wall clock, %.1f %% by processor time",
+  std::snprintf(note, sizeof note,
+                "one thread %.0f steps/s, two threads %.0f: %.1f %% of twice one by wall clock, %.1f %% by processor time",
                 1e9 / (a.wall * each), 1e9 / (b.wall * each), 50 * a.wall / b.wall, 100 * a.processor / b.processor);
   table.add({.row = name,
              .ours_ns = b.wall * each,
@@ -177,7 +183,11 @@ void tracked_characters(Table& table) {
              .ours_ns = 1e9 * parallel.first,
              .peer = {},
              .per = 100,
-             .extra = {{"one_ns", 1e9 * single.first}, {"one_thread_ns", 1e9 * serial.first}, {"one_processor_ns", 1e9 * single.second}, {"one_thread_processor_ns", 1e9 * serial.second}, {"memory_bytes", memory}},
+             .extra = {{"one_ns", 1e9 * single.first},
+                       {"one_thread_ns", 1e9 * serial.first},
+                       {"one_processor_ns", 1e9 * single.second},
+                       {"one_thread_processor_ns", 1e9 * serial.second},
+                       {"memory_bytes", memory}},
              .note = note});
 }
 

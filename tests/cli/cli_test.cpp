@@ -250,7 +250,8 @@ TEST_F(CliTest, InterruptLeavesNoIncompleteFile) {
 }
 
 /// Starts a command that waits for data of a pipe, sends it the signal up to twice, and returns its exit status.
-int ended_by(const std::vector<std::string>& arguments, const std::string& pipe, const std::vector<std::string>& environment, int signal_number) {
+int ended_by(const std::vector<std::string>& arguments, const std::string& pipe, const std::vector<std::string>& environment,
+             int signal_number) {
   EXPECT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   const int writer = ::open(pipe.c_str(), O_RDWR | O_CLOEXEC);  // the command can open the pipe, and its read waits
   ::signal(signal_number, SIG_DFL);  // a shell starts programs in the background with SIGINT ignored, which children inherit

@@ -177,8 +177,9 @@ TEST_F(LsiCliTest, NothingOfALibraryIsMappedBeforeConsent) {
   // strace prints file descriptors with their paths (-y), so that a mapping of the library shows the library's name. The program loads a
   // copy of the library; the copy's path contains this name too.
   const auto mappings = [&](const std::string& arguments, const char* answer) {
-    const std::string command = "printf '" + std::string(answer) + "' | UGOKI_LSI=" + folder_ + "/shelf strace -f -y -e trace=openat,mmap,execve -o " +
-                                log + " script -qec '" UGOKI_PROGRAM " lsi install " + library + arguments + "' /dev/null > /dev/null 2>&1";
+    const std::string command = "printf '" + std::string(answer) + "' | UGOKI_LSI=" + folder_ +
+                                "/shelf strace -f -y -e trace=openat,mmap,execve -o " + log +
+                                " script -qec '" UGOKI_PROGRAM " lsi install " + library + arguments + "' /dev/null > /dev/null 2>&1";
     (void)std::system(command.c_str());
     std::ifstream in(log);
     int opened = 0, mapped = 0, processes = 0;
@@ -207,8 +208,7 @@ TEST_F(LsiCliTest, LibraryThatEndsItsProcessWhileLoadingIsNotInstalled) {
   ::setenv("UGOKI_STAY", "1", 1);
   const std::string library = json({"lsi", "build", source})["output"];
   ::unsetenv("UGOKI_STAY");
-  fails({"lsi", "install", library, "--yes"},
-        "quits.so' was being loaded when it ended its process (exit status 0) without a report.");
+  fails({"lsi", "install", library, "--yes"}, "quits.so' was being loaded when it ended its process (exit status 0) without a report.");
   EXPECT_EQ(json({"lsi", "list"})["libraries"].size(), 0u);
 }
 

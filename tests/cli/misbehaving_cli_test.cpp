@@ -58,7 +58,8 @@ TEST_F(SignalledCircuitTest, SignalToTheCommandEndsItsChild) {
 
 // An LSI calls fork(), and both processes return from the LSI. Only the original process may print results.
 TEST_F(SignalledCircuitTest, CopyOfTheProcessWritesNoResults) {
-  const std::string source = write("copies.c", "#include <unistd.h>\n/// @library copies\ndouble f(double t) { if (t > 0.015 && t < 0.025) fork(); return t; }\n");
+  const std::string source =
+      write("copies.c", "#include <unistd.h>\n/// @library copies\ndouble f(double t) { if (t > 0.015 && t < 0.025) fork(); return t; }\n");
   const std::string circuit = write("copies.json", R"({"version": 1, "name": "t", "lsis": [{"id": "c", "type": "clock"},
       {"id": "it", "type": "copies/f"}], "wires": [{"from": "c.time", "to": "it.t"}]})");
   ASSERT_EQ(ugoki({"lsi", "build", source}).status, 0);

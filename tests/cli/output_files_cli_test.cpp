@@ -44,28 +44,27 @@ TEST_F(OutputFilesCliTest, InputsAreNotOverwritten) {
   fs::create_symlink("z.ugoki", path("link"));
   fs::create_symlink(".", path("folder"));
   fs::create_hard_link(bvh, path("hard.bvh"));
-  for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"export", z, "--ugx", z},
-        {"run", z, "--steps", "1", "--ugx", z},
-        {"run", z, "--steps", "1", "--ugx", path("link")},
-        {"run", z, "--steps", "1", "--ugx", path("folder/z.ugoki")},
-        {"run", x, "--steps", "1", "--frames", x},
-        {"bake", bvh, "--duration", "0.01", "--table", path("b.db"), "--csv", bvh},
-        {"bake", bvh, "--duration", "0.01", "--table", bvh},
-        {"circuit", "run", c, "--duration", "0.01", "--record", c},
-        {"circuit", "run", c, "--duration", "0.01", "--replay", record, "--record", record},
-        {"circuit", "run", c, "--duration", "0.01", "--lsi", x, "--record", x},
-        {"circuit", "export-fmu", c, c},
-        {"lsi", "build", source, "-o", source},
-        {"motion", "mirror", bvh, "-o", bvh},
-        {"motion", "mirror", bvh, "-o", path("hard.bvh")},
-        {"motion", "join", bvh, path("hard.bvh"), "-o", bvh},
-        {"retarget", bvh, "--height", "1.5", "-o", bvh},
-        {"retarget", bvh, "--to", body, "--mechanism-out", body},
-        {"mechanism", "mirror", body, "-o", body},
-        {"convert", bvh, bvh},
-        {"import", bvh, "--dry-run", "--bvh", bvh},
-        {"info", bvh, "--mapping-out", bvh}}) {
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"export", z, "--ugx", z},
+                                                    {"run", z, "--steps", "1", "--ugx", z},
+                                                    {"run", z, "--steps", "1", "--ugx", path("link")},
+                                                    {"run", z, "--steps", "1", "--ugx", path("folder/z.ugoki")},
+                                                    {"run", x, "--steps", "1", "--frames", x},
+                                                    {"bake", bvh, "--duration", "0.01", "--table", path("b.db"), "--csv", bvh},
+                                                    {"bake", bvh, "--duration", "0.01", "--table", bvh},
+                                                    {"circuit", "run", c, "--duration", "0.01", "--record", c},
+                                                    {"circuit", "run", c, "--duration", "0.01", "--replay", record, "--record", record},
+                                                    {"circuit", "run", c, "--duration", "0.01", "--lsi", x, "--record", x},
+                                                    {"circuit", "export-fmu", c, c},
+                                                    {"lsi", "build", source, "-o", source},
+                                                    {"motion", "mirror", bvh, "-o", bvh},
+                                                    {"motion", "mirror", bvh, "-o", path("hard.bvh")},
+                                                    {"motion", "join", bvh, path("hard.bvh"), "-o", bvh},
+                                                    {"retarget", bvh, "--height", "1.5", "-o", bvh},
+                                                    {"retarget", bvh, "--to", body, "--mechanism-out", body},
+                                                    {"mechanism", "mirror", body, "-o", body},
+                                                    {"convert", bvh, bvh},
+                                                    {"import", bvh, "--dry-run", "--bvh", bvh},
+                                                    {"info", bvh, "--mapping-out", bvh}}) {
     SCOPED_TRACE(arguments[0] + " " + arguments[1]);
     fails(arguments, "would overwrite");
   }

@@ -1,4 +1,5 @@
-// For a crowd of mechanisms, compares the contacts of find_contacts(), which takes its pairs from the superior tree, with a test of all pairs.
+// For a crowd of mechanisms, compares the contacts of find_contacts(), which takes its pairs from the superior tree, with a test of all
+// pairs.
 
 #include <gtest/gtest.h>
 

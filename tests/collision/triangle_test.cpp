@@ -135,7 +135,8 @@ TEST(Triangle, KnownGapsAreExact) {
           TriangleCorners cases[4][2] = {
               {flat, {Vec3{-0.5, -0.6, gap}, {0.4, -0.6, gap}, {0, 0.2, gap}}},             // face over face
               {flat, {Vec3{0.1, -0.2, gap}, {0.7, -0.6, gap + 0.4}, {0, 0.2, gap + 0.3}}},  // corner over face
-              {flat, {Vec3{-1.7, -1 - gap, 0}, {0.5, -1 - gap, 0}, {0, -3, 0}}},            // coplanar; two parallel edges face each other across the gap
+              {flat,
+               {Vec3{-1.7, -1 - gap, 0}, {0.5, -1 - gap, 0}, {0, -3, 0}}},  // coplanar; two parallel edges face each other across the gap
               {{Vec3{-1, 0, 0}, {1, 0, 0}, {0, 0, -1}},
                {Vec3{cos(turn), sin(turn), gap}, {-cos(turn), -sin(turn), gap}, {0, 0, gap + 1}}}};  // sides cross
           for (auto& pair : cases) {

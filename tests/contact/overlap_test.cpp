@@ -139,7 +139,9 @@ void check(unsigned first, unsigned last) {
   const bool print = std::getenv("UGOKI_PRINT") != nullptr;
   for (unsigned seed = first; seed < last; ++seed) {
     const Outcome out = run(seed);
-    if (print) std::printf("seed %u: ok %d depth %.4f m speed %.2f m/s slowest step %.0f times the mean\n", seed, out.ok, out.depth, out.speed, out.slowest);
+    if (print)
+      std::printf("seed %u: ok %d depth %.4f m speed %.2f m/s slowest step %.0f times the mean\n", seed, out.ok, out.depth, out.speed,
+                  out.slowest);
     EXPECT_TRUE(out.ok) << "seed " << seed;
     EXPECT_LT(out.depth, 5e-3) << "seed " << seed;
     EXPECT_LT(out.speed, 3) << "seed " << seed;

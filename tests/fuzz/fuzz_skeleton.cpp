@@ -22,8 +22,9 @@ class Bytes {
   std::size_t size_, at_ = 0;
 };
 
-constexpr std::array names = {"", "Hips", "hip", "Spine", "Chest", "Neck", "Head", "LeftUpLeg", "LeftLeg", "LeftFoot", "LeftToe", "RightUpLeg",
-                              "RightLeg", "RightFoot", "LeftArm", "LeftForeArm", "LeftHand", "RightArm", "tail", "Bip01 L Thigh", "joint", "\xc3\xa9"};
+constexpr std::array names = {"",         "Hips",     "hip",     "Spine",         "Chest",    "Neck",      "Head",    "LeftUpLeg",
+                              "LeftLeg",  "LeftFoot", "LeftToe", "RightUpLeg",    "RightLeg", "RightFoot", "LeftArm", "LeftForeArm",
+                              "LeftHand", "RightArm", "tail",    "Bip01 L Thigh", "joint",    "\xc3\xa9"};
 constexpr std::array lengths = {0.0, 1e-9, 1e-3, 0.05, 0.1, 0.3, 0.5, 2.0, 100.0, 1e6};  // m
 
 double length_of(int byte) { return lengths[static_cast<std::size_t>(byte) / 2 % lengths.size()] * (byte % 2 == 0 ? 1 : -1); }

@@ -80,13 +80,12 @@ GoldenContent make_heap() {
   for (const double x : {-0.1, 0.12})
     for (const double y : {-0.08, 0.1})
       for (const double z : {-0.15, 0.05, 0.11}) corners.push_back({x + 0.2 * z, y - 0.1 * z * z, z});
-  const std::vector<std::pair<std::string, Shape>> shapes = {
-      {"ball", Shape::sphere(0.1)},
-      {"box", Shape::box({0.12, 0.08, 0.1})},
-      {"capsule", Shape::capsule(0.06, {0, 0, -0.1}, {0, 0, 0.1})},
-      {"cylinder", Shape::cylinder(0.09, 0.08)},
-      {"ellipsoid", Shape::ellipsoid({0.12, 0.07, 0.09})},
-      {"hull", Shape::mesh(geometry::make_hull_geometry(corners, "hull").value())}};
+  const std::vector<std::pair<std::string, Shape>> shapes = {{"ball", Shape::sphere(0.1)},
+                                                             {"box", Shape::box({0.12, 0.08, 0.1})},
+                                                             {"capsule", Shape::capsule(0.06, {0, 0, -0.1}, {0, 0, 0.1})},
+                                                             {"cylinder", Shape::cylinder(0.09, 0.08)},
+                                                             {"ellipsoid", Shape::ellipsoid({0.12, 0.07, 0.09})},
+                                                             {"hull", Shape::mesh(geometry::make_hull_geometry(corners, "hull").value())}};
   content::Scenario s = empty_scenario("heap");
   content::Resources resources;
   for (const auto& [name, shape] : shapes) resources.mechanisms[name] = body(name, shape);
@@ -110,7 +109,8 @@ GoldenContent make_closed_robot() {
       const Shape bar = Shape::capsule(0.02, {0, 0, 0}, {0, 0, -0.3});
       spec.links.push_back(link("front" + i, "trunk", JointType::revolute, at({x + 0.05, y, 0}, 0.5), bar));
       spec.links.push_back(link("rear" + i, "trunk", JointType::revolute, at({x - 0.05, y, 0}, 0.5), bar));
-      spec.links.push_back(link("shin" + i, "front" + i, JointType::revolute, at({0, 0, -0.3}, -0.5), Shape::capsule(0.03, {0, 0, 0}, {0, 0, -0.25})));
+      spec.links.push_back(
+          link("shin" + i, "front" + i, JointType::revolute, at({0, 0, -0.3}, -0.5), Shape::capsule(0.03, {0, 0, 0}, {0, 0, -0.25})));
       for (std::size_t k = spec.links.size() - 3; k < spec.links.size(); ++k) spec.links[k].joint.dofs[0].damping = 0.5;
       LoopSpec pin;
       pin.name = "pin" + i;

@@ -199,15 +199,16 @@ TEST_F(PluginTest, MissingCompilerNamesThePackageToInstall) {
 }
 
 TEST_F(PluginTest, PointerWithACountIsNoOutput) {
-  for (const char* declaration : {"double mean(double* v, int n)", "double mean(double* v, size_t size)", "double mean(float* v, int v_count)",
-                                  "double mean(double* v, const unsigned numValues)"}) {
+  for (const char* declaration : {"double mean(double* v, int n)", "double mean(double* v, size_t size)",
+                                  "double mean(float* v, int v_count)", "double mean(double* v, const unsigned numValues)"}) {
     write("mean.c", std::string("#include <stddef.h>\n") + declaration + " { return v[0]; }\ndouble good(double x) { return x; }\n");
     const auto report = build_library({folder_ + "/mean.c", {}, {}, {}});
     ASSERT_TRUE(report) << report.error().text();
     ASSERT_EQ(report->notes.size(), 1u) << declaration;
     EXPECT_NE(report->notes[0].find("its parameter 'v' may be an array of"), std::string::npos) << report->notes[0];
   }
-  for (const char* text : {"/// @out v\ndouble mean(double* v, int n) { *v = n; return 1; }\n", "double mean(double* v, int mode) { *v = mode; return 1; }\n"}) {
+  for (const char* text : {"/// @out v\ndouble mean(double* v, int n) { *v = n; return 1; }\n",
+                           "double mean(double* v, int mode) { *v = mode; return 1; }\n"}) {
     write("mean.c", text);
     const auto report = build_library({folder_ + "/mean.c", {}, {}, {}});
     ASSERT_TRUE(report) << report.error().text();
@@ -219,8 +220,9 @@ TEST_F(PluginTest, WarningsPointIntoTheFile) {
   for (const char* name : {"few.c", "few.cpp"})
     for (const char* compiler : {"clang", "gcc"}) {
       const bool cpp = std::string(name).ends_with("cpp");
-      write(name, "struct memory { float f; unsigned char c; long n; };\nlong f(struct memory* m, float a, unsigned b, long c, double y[2])\n"
-                  "{ y[0] = y[1] = a; m->n += b; return c; }\n");
+      write(name,
+            "struct memory { float f; unsigned char c; long n; };\nlong f(struct memory* m, float a, unsigned b, long c, double y[2])\n"
+            "{ y[0] = y[1] = a; m->n += b; return c; }\n");
       const std::string program = std::string(compiler) == "gcc" ? (cpp ? "g++" : "gcc") : "";
       const auto report = build_library({folder_ + "/" + name, {}, {}, program});
       if (!report && !program.empty()) continue;  // not installed

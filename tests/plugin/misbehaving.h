@@ -1,6 +1,6 @@
 #pragma once
-// Forty-three LSIs that misbehave: they crash, end or stop their process, hang, damage memory, return values that are not finite, or cannot be
-// loaded. Tests run each one with `ugoki lsi test`, `ugoki circuit run` and in the studio.
+// Forty-three LSIs that misbehave: they crash, end or stop their process, hang, damage memory, return values that are not finite, or cannot
+// be loaded. Tests run each one with `ugoki lsi test`, `ugoki circuit run` and in the studio.
 
 #include <array>
 #include <string>
@@ -10,11 +10,11 @@ namespace ugoki::plugin {
 
 /// An LSI `double f(double t, double y[3])` of the library "rogue". It misbehaves when the time t is above 0.015 s.
 struct Misbehaving {
-  std::string_view name;    ///< for messages of tests
-  std::string_view body;    ///< statements that run when t is above 0.015 s
-  std::string_view report;  ///< part of the message that the user must see
+  std::string_view name;         ///< for messages of tests
+  std::string_view body;         ///< statements that run when t is above 0.015 s
+  std::string_view report;       ///< part of the message that the user must see
   std::string_view before = {};  ///< declarations before the function
-  bool cpp = false;         ///< the source is C++
+  bool cpp = false;              ///< the source is C++
 };
 
 inline constexpr std::array misbehaving = {
@@ -26,8 +26,7 @@ inline constexpr std::array misbehaving = {
     Misbehaving{"writes code", "*(volatile char*)(unsigned long)puts = 0;", "accessed memory that it does not own"},
     Misbehaving{"divides by zero", "y[0] = 7 / zero;", "divided an integer by zero", "static volatile int zero = 0;"},
     Misbehaving{"traps", "__builtin_trap();", "invalid instruction"},
-    Misbehaving{"mapped file without bytes",
-                "y[0] = *(volatile double*)mmap(0, 4096, PROT_READ, MAP_SHARED, fileno(tmpfile()), 0);",
+    Misbehaving{"mapped file without bytes", "y[0] = *(volatile double*)mmap(0, 4096, PROT_READ, MAP_SHARED, fileno(tmpfile()), 0);",
                 "accessed memory that does not exist (SIGBUS)"},
     Misbehaving{"endless recursion", "y[0] = deep(t);", "accessed memory that it does not own",
                 "static double deep(double x) { volatile char room[100000]; room[0] = (char)x; return deep(x + room[0]) + room[0]; }"},
@@ -59,8 +58,7 @@ inline constexpr std::array misbehaving = {
     Misbehaving{"ends the main thread", "pthread_exit(0);", "ended the main thread of its process (pthread_exit)"},
     // Faults in threads of the library.
     Misbehaving{"crash in a thread", "pthread_t p; pthread_create(&p, 0, fault, 0); pthread_join(p, 0);",
-                "A thread of the library 'rogue' used a null pointer",
-                "static void* fault(void* p) { *(volatile int*)0 = 1; return p; }"},
+                "A thread of the library 'rogue' used a null pointer", "static void* fault(void* p) { *(volatile int*)0 = 1; return p; }"},
     Misbehaving{"exit in a thread", "pthread_t p; pthread_create(&p, 0, leave, 0); pthread_join(p, 0);",
                 "ended its process (exit status 3) without a report", "static void* leave(void* p) { _exit(3); return p; }"},
     // Damage of the heap.
@@ -68,8 +66,10 @@ inline constexpr std::array misbehaving = {
     Misbehaving{"frees foreign memory", "static double room[8]; void* volatile p = &room[1]; free(p);", "aborted"},
     Misbehaving{"writes before its block", "volatile char* p = malloc(100); for (int i = -16; i < 0; ++i) p[i] = 1; free((void*)p);",
                 "aborted"},
-    Misbehaving{"writes after its block", "volatile char* p = malloc(5000); for (int i = 0; i < 6000; ++i) p[i] = 0x7f; free(malloc(300000)); "
-                "for (int i = 1; i < 3000; ++i) free(malloc(i)); free((void*)p);", "aborted"},
+    Misbehaving{"writes after its block",
+                "volatile char* p = malloc(5000); for (int i = 0; i < 6000; ++i) p[i] = 0x7f; free(malloc(300000)); "
+                "for (int i = 1; i < 3000; ++i) free(malloc(i)); free((void*)p);",
+                "aborted"},
     // Writes beyond its pins and values that are not finite.
     Misbehaving{"writes after its output", "((volatile double*)y)[3] = t;", "It wrote beyond its output 'y', which has 3 numbers."},
     Misbehaving{"writes far after its output", "for (long i = 0; i < 400000000; ++i) ((volatile double*)y)[i] = t;",
@@ -78,7 +78,8 @@ inline constexpr std::array misbehaving = {
     Misbehaving{"infinity", "y[2] = INFINITY;", "of its output 'y' is not finite"},
     // Changes of the floating-point mode.
     Misbehaving{"rounds upwards", "fesetround(FE_UPWARD);", "changed the floating-point mode", "#include <fenv.h>"},
-    Misbehaving{"drops subnormal numbers", "_mm_setcsr(_mm_getcsr() | 0x8040);", "changed the floating-point mode", "#include <immintrin.h>"},
+    Misbehaving{"drops subnormal numbers", "_mm_setcsr(_mm_getcsr() | 0x8040);", "changed the floating-point mode",
+                "#include <immintrin.h>"},
     // Exceptions of C++.
     Misbehaving{"throws an exception", "throw std::runtime_error(\"No rope\");", "No rope", "#include <stdexcept>", true},
     Misbehaving{"throws a number", "throw 42;", "rogue", "", true},
@@ -99,16 +100,25 @@ struct MisbehavingLoad {
   std::string_view name, source, report;
 };
 inline constexpr std::array misbehaving_while_loading = {
-    MisbehavingLoad{"crashes", "__attribute__((constructor)) static void early(void) { *(volatile int*)0 = 1; }\ndouble f(double t) { return t; }\n",
+    MisbehavingLoad{"crashes",
+                    "__attribute__((constructor)) static void early(void) { *(volatile int*)0 = 1; }\ndouble f(double t) { return t; }\n",
                     "was being loaded when it used a null pointer"},
-    MisbehavingLoad{"hangs", "__attribute__((constructor)) static void early(void) { for (;;) __asm__ volatile(\"\"); }\ndouble f(double t) { return t; }\n",
-                    "was being loaded when it did not return within"},
-    MisbehavingLoad{"exits", "#include <stdlib.h>\n__attribute__((constructor)) static void early(void) { exit(0); }\ndouble f(double t) { return t; }\n",
-                    "was being loaded when it"},
-    MisbehavingLoad{"exits quickly", "#include <unistd.h>\n__attribute__((constructor)) static void early(void) { _exit(0); }\ndouble f(double t) { return t; }\n",
-                    "was being loaded when it ended its process (exit status 0) without a report"},
-    MisbehavingLoad{"kills itself", "#include <signal.h>\n__attribute__((constructor)) static void early(void) { raise(SIGKILL); }\ndouble f(double t) { return t; }\n",
-                    "was being loaded when it ended its process (signal 9, Killed) without a report"},
+    MisbehavingLoad{
+        "hangs",
+        "__attribute__((constructor)) static void early(void) { for (;;) __asm__ volatile(\"\"); }\ndouble f(double t) { return t; }\n",
+        "was being loaded when it did not return within"},
+    MisbehavingLoad{
+        "exits",
+        "#include <stdlib.h>\n__attribute__((constructor)) static void early(void) { exit(0); }\ndouble f(double t) { return t; }\n",
+        "was being loaded when it"},
+    MisbehavingLoad{
+        "exits quickly",
+        "#include <unistd.h>\n__attribute__((constructor)) static void early(void) { _exit(0); }\ndouble f(double t) { return t; }\n",
+        "was being loaded when it ended its process (exit status 0) without a report"},
+    MisbehavingLoad{
+        "kills itself",
+        "#include <signal.h>\n__attribute__((constructor)) static void early(void) { raise(SIGKILL); }\ndouble f(double t) { return t; }\n",
+        "was being loaded when it ended its process (signal 9, Killed) without a report"},
     MisbehavingLoad{"missing function", "double elsewhere(double);\ndouble f(double t) { return elsewhere(t); }\n", "elsewhere"},
 };
 

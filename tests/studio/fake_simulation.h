@@ -1,8 +1,8 @@
 #pragma once
 // A simulation for tests of the interpreter: masses on a line that can be pushed and pulled. Its executable data is a JSON object:
-// {"step", "duration", "rate", "cast": [{"id", "links"}], "blow_up": time, "crash": time, "hang": time, "unsolved": time from which contacts
-// are not solved, "split": time from which steps are split, "wind": force, "start": x of the poses at time 0}. Real executable data (*.ugx)
-// is accepted too; the name of its scenario may be such an object with faults to simulate.
+// {"step", "duration", "rate", "cast": [{"id", "links"}], "blow_up": time, "crash": time, "hang": time, "unsolved": time from which
+// contacts are not solved, "split": time from which steps are split, "wind": force, "start": x of the poses at time 0}. Real executable
+// data (*.ugx) is accepted too; the name of its scenario may be such an object with faults to simulate.
 
 #include <array>
 

@@ -105,9 +105,8 @@ class StudioKillTest : public store::OnBoth {
           sent_name = "run " + std::to_string(edit);
           const test::Reply entry = test::request(port, "GET", "/api/entry/" + motion_, {"Authorization: Bearer " + token});
           if (entry.status != 200) break;
-          const test::Reply renamed =
-              test::request(port, "POST", "/api/entry/" + motion_, {"Authorization: Bearer " + token},
-                            json{{"base", json::parse(entry.body)["version"]}, {"name", sent_name}}.dump());
+          const test::Reply renamed = test::request(port, "POST", "/api/entry/" + motion_, {"Authorization: Bearer " + token},
+                                                    json{{"base", json::parse(entry.body)["version"]}, {"name", sent_name}}.dump());
           if (renamed.status == 0) break;
           ASSERT_EQ(renamed.status, 200) << renamed.body;
           name = sent_name;

@@ -140,12 +140,19 @@ TEST_F(PluginFaultsTest, NotANumberNamesThePin) { expect_fault("invalid", "of it
 // A process that the LSI starts in a session of its own is ended together with the interpreter.
 TEST_F(PluginFaultsTest, ProcessInItsOwnSessionIsEnded) {
   const std::string number = folder_ + "/pid";
-  install("#include <stdio.h>\n#include <stdlib.h>\n#include <unistd.h>\n/// @library faulty\n"
-          "static void leave(void) {\n  if (fork() != 0) return;\n  setsid();\n  if (fork() != 0) _exit(0);\n"
-          "  FILE* f = fopen(\"" + number + ".new\", \"w\");\n  fprintf(f, \"%d\\n\", (int)getpid());\n  fclose(f);\n"
-          "  rename(\"" + number + ".new\", \"" + number + "\");\n  sleep(1000);\n  _exit(0);\n}\n"
-          "double stray(double t) {\n  static int n = 0;\n  if (++n == 1) leave();\n  if (t > 0.1 && access(\"" + number + "\", F_OK) == 0) _exit(0);\n"
-          "  return t;\n}\n");
+  install(
+      "#include <stdio.h>\n#include <stdlib.h>\n#include <unistd.h>\n/// @library faulty\n"
+      "static void leave(void) {\n  if (fork() != 0) return;\n  setsid();\n  if (fork() != 0) _exit(0);\n"
+      "  FILE* f = fopen(\"" +
+      number +
+      ".new\", \"w\");\n  fprintf(f, \"%d\\n\", (int)getpid());\n  fclose(f);\n"
+      "  rename(\"" +
+      number + ".new\", \"" + number +
+      "\");\n  sleep(1000);\n  _exit(0);\n}\n"
+      "double stray(double t) {\n  static int n = 0;\n  if (++n == 1) leave();\n  if (t > 0.1 && access(\"" +
+      number +
+      "\", F_OK) == 0) _exit(0);\n"
+      "  return t;\n}\n");
   start();
   Page p = page();
   const json stopped = play_until_stopped(p, use("stray"));

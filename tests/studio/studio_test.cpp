@@ -225,10 +225,14 @@ TEST_F(StudioTest, InvalidMessagesAreAnsweredWithProblems) {
     EXPECT_NE(r["error"]["problems"][0]["message"], "");
   }
   // The id of a message that cannot be used is repeated, if it is not ambiguous.
-  const std::pair<const char*, json> with_id[] = {
-      {R"({"id":1,"op":1e999})", 1}, {R"({"op":1e999,"id":2})", 2}, {R"({"op":"hello","op":"hello","id":"three"})", "three"},
-      {R"({"a":{"id":7},"id" : 4,"b":["id"],"c":"id","d":1,"d":2})", 4}, {R"({"id":5,"op":"hello")", 5},
-      {R"({"id":6,"id":6,"op":"hello"})", nullptr}, {R"({"id":[1],"op":1e999})", nullptr}, {R"({"a":{"id":7},"op":1e999})", nullptr}};
+  const std::pair<const char*, json> with_id[] = {{R"({"id":1,"op":1e999})", 1},
+                                                  {R"({"op":1e999,"id":2})", 2},
+                                                  {R"({"op":"hello","op":"hello","id":"three"})", "three"},
+                                                  {R"({"a":{"id":7},"id" : 4,"b":["id"],"c":"id","d":1,"d":2})", 4},
+                                                  {R"({"id":5,"op":"hello")", 5},
+                                                  {R"({"id":6,"id":6,"op":"hello"})", nullptr},
+                                                  {R"({"id":[1],"op":1e999})", nullptr},
+                                                  {R"({"a":{"id":7},"op":1e999})", nullptr}};
   for (const auto& [text, id] : with_id) {
     p.socket().send_text(text);
     const json r = p.reply(id);

@@ -136,7 +136,10 @@ class DiskFaultTest : public ::testing::Test {
     ::waitpid(child, &ran.status, 0);
     for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n')) {
       const std::string line = text.substr(0, end);
-      (line[0] == '+' ? ran.acknowledged : line[0] == '-' ? ran.refused : ran.unclear).push_back(line.substr(std::min<std::size_t>(2, line.size())));
+      (line[0] == '+'   ? ran.acknowledged
+       : line[0] == '-' ? ran.refused
+                        : ran.unclear)
+          .push_back(line.substr(std::min<std::size_t>(2, line.size())));
       text.erase(0, end + 1);
     }
     return ran;
@@ -147,7 +150,8 @@ class DiskFaultTest : public ::testing::Test {
     for (int round = 0; round < rounds; ++round) {
       const char* kind = std::array{"full", "readonly", "io"}[static_cast<std::size_t>(round % 3)];
       const bool on_library = round % 2 == 0;
-      const int after = static_cast<int>(random() % (round % 4 == 0 ? 60 : 400)), length = round % 5 < 2 ? 1 + static_cast<int>(random() % 20) : 0;
+      const int after = static_cast<int>(random() % (round % 4 == 0 ? 60 : 400)),
+                length = round % 5 < 2 ? 1 + static_cast<int>(random() % 20) : 0;
       const std::string path = folder_.path() + (on_library ? "/library.db" : "/park.ugoki");
       for (const auto& file : fs::directory_iterator(folder_.path())) fs::remove_all(file);
       if (on_library) {

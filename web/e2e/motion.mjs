@@ -158,7 +158,7 @@ export const motion_journeys = [
       const before = await changed(page, stretched, 'the long motion');
       await choose(page, clip.id, 'For another body…');
       const body = page.getByRole('dialog', { name: 'For another body' });
-      await body.getByRole('radio', { name: /^Dog/ }).click();
+      await body.getByRole('radio', { name: /^Dog/ }).first().click(); // the dog of the scenario; the library may list another
       // Click Cancel from within the page as soon as it appears: a click by the driver may come too late while the page is busy.
       await page.evaluate(() => {
         const watch = new MutationObserver(() => {

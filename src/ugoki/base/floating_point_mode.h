@@ -1,6 +1,6 @@
 #pragma once
-// The floating-point mode of a thread: direction of rounding, treatment of subnormal numbers, precision and trapped exceptions. Foreign code
-// may change the mode (fesetround, a library linked with -ffast-math); afterwards equal inputs no longer give equal bits.
+// The floating-point mode of a thread: direction of rounding, treatment of subnormal numbers, precision and trapped exceptions. Foreign
+// code may change the mode (fesetround, a library linked with -ffast-math); afterwards equal inputs no longer give equal bits.
 
 #include <cfenv>
 #include <cstdint>

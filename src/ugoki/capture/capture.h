@@ -13,9 +13,9 @@ namespace ugoki::capture {
 
 /// Options of solve_markers and fill_markers.
 struct CaptureOptions {
-  int calibration_frames = 40;  ///< number of frames from which segment lengths and marker offsets are calibrated
-  double longest_gap = 0.2;     ///< s; shorter gaps are filled by splines, longer gaps from the other markers
-  double cutoff = 0;            ///< Hz, low-pass filter of the markers; 0: chosen by residual analysis, negative: none
+  int calibration_frames = 40;           ///< number of frames from which segment lengths and marker offsets are calibrated
+  double longest_gap = 0.2;              ///< s; shorter gaps are filled by splines, longer gaps from the other markers
+  double cutoff = 0;                     ///< Hz, low-pass filter of the markers; 0: chosen by residual analysis, negative: none
   std::function<bool()> cancelled = {};  ///< called before each frame; true ends the work: solve_markers fails with ErrorCode::cancelled
 };
 

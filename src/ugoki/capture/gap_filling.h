@@ -13,8 +13,8 @@ namespace ugoki::capture {
 /// @param cancelled called before each frame, may be empty; true ends the work
 /// @param visit called after each frame as visit(frame, solver, pose)
 template <class Visit>
-void solve_frames(const MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from, const std::function<bool()>& cancelled,
-                  const Visit& visit) {
+void solve_frames(const MarkerMotion& markers, const Subject& subject, const ModelPose& first, int from,
+                  const std::function<bool()>& cancelled, const Visit& visit) {
   PoseSolver solver;
   for (const int step : {1, -1}) {
     ModelPose pose = first;

@@ -374,8 +374,8 @@ bool Interpreter::Machine::are_fences_intact() {
   return false;
 }
 
-/// Restores the floating-point mode of this thread if an LSI of a library has changed it. Then returns false and stops the interpreter, unless
-/// another error has stopped it. The check follows each run of ticks, so the results of the ticks of this run may be wrong.
+/// Restores the floating-point mode of this thread if an LSI of a library has changed it. Then returns false and stops the interpreter,
+/// unless another error has stopped it. The check follows each run of ticks, so the results of the ticks of this run may be wrong.
 bool Interpreter::Machine::is_mode_intact(std::uint64_t mode) {
   if (foreign.empty() || floating_point_mode() == mode) return true;
   set_floating_point_mode(mode);

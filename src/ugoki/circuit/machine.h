@@ -105,9 +105,9 @@ struct Interpreter::Machine {
   Arena arena;
   std::vector<Fence> fences;
   std::vector<std::uint32_t> foreign;  ///< indices into `units` of the LSIs of installed libraries
-  Range front, back;           ///< delayed outputs: consumers read `front`, LSIs write `back`; both have the same layout
-  std::vector<Job> jobs;       ///< calls of a tick: all `step` calls, then all `advance` calls
-  std::size_t step_count = 0;  ///< number of steps at the beginning of `jobs`
+  Range front, back;                   ///< delayed outputs: consumers read `front`, LSIs write `back`; both have the same layout
+  std::vector<Job> jobs;               ///< calls of a tick: all `step` calls, then all `advance` calls
+  std::size_t step_count = 0;          ///< number of steps at the beginning of `jobs`
   std::vector<Job> on_demand;
   std::vector<std::uint32_t> wave_ends;  ///< for each depth (plan.h): end index in `jobs` of the steps of this depth
   std::vector<int> order;                ///< indices of LSIs in the order in which their steps run
@@ -151,7 +151,9 @@ struct Interpreter::Machine {
   [[nodiscard]] bool are_fences_intact();
   [[nodiscard]] bool is_mode_intact(std::uint64_t mode);
   /// Returns false and stops the interpreter if an LSI of a library overwrote foreign memory or changed the floating-point mode `mode`.
-  [[nodiscard]] bool are_libraries_sound(std::uint64_t mode) { return is_mode_intact(mode) && (is_stopped || fences.empty() || are_fences_intact()); }
+  [[nodiscard]] bool are_libraries_sound(std::uint64_t mode) {
+    return is_mode_intact(mode) && (is_stopped || fences.empty() || are_fences_intact());
+  }
   template <bool timed, bool probed>
   std::uint64_t run_fast(std::uint64_t count);
   std::uint64_t run(std::uint64_t count);

@@ -32,9 +32,7 @@ GilbertResult half_space_distance(const Support& a, const Pose& X_WA, const Supp
 
 #ifdef UGOKI_X86_WIDTHS
 bool has_avx2() { return __builtin_cpu_supports("avx2") != 0; }
-bool has_avx512() {
-  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq");
-}
+bool has_avx512() { return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"); }
 GilbertWidth width_in_use = has_avx512() ? GilbertWidth::avx512 : has_avx2() ? GilbertWidth::avx2 : GilbertWidth::plain;
 #endif
 

@@ -72,7 +72,8 @@ std::vector<HalfEdge> half_edges(const Hull& h) {
   return edges;
 }
 
-/// Makes the list of the neighbours of each vertex. @return false if the faces do not form one closed surface (Euler characteristic 2) of all vertices
+/// Makes the list of the neighbours of each vertex. @return false if the faces do not form one closed surface (Euler characteristic 2) of
+/// all vertices
 bool make_neighbours(Hull& h, const std::vector<HalfEdge>& edges, const std::vector<HalfEdge>& opposite) {
   const std::size_t n = h.vertices.size();
   h.first_neighbour.assign(n + 1, 0);

@@ -20,7 +20,8 @@ struct Attempt {
 };
 /// The first attempt solves 99.8 % of the islands of falling and lying characters (10,700 islands, ./bench step), in 1.3 steps each; all
 /// three leave 8 islands. With a = 1 instead of 0.1 the first attempt fails three times as often.
-constexpr Attempt attempts[] = {{Attempt::Start::present, 0.1, 0.02}, {Attempt::Start::swept, 0.003, 0.003}, {Attempt::Start::zero, 0.01, 0.01}};
+constexpr Attempt attempts[] = {
+    {Attempt::Start::present, 0.1, 0.02}, {Attempt::Start::swept, 0.003, 0.003}, {Attempt::Start::zero, 0.01, 0.01}};
 /// Maximum number of Newton steps of an attempt.
 constexpr int max_newton_steps = 24;
 /// Number of sweeps of Start::swept.
@@ -83,7 +84,8 @@ DenseIsland::DenseIsland() {
   local_.reserve(n);
   impact_impulse_.reserve(n);
   B_.reserve(n * (n + 8));
-  for (std::vector<double>* x : {&target_, &p_, &u_, &best_p_, &fixed_, &fixed_u_, &made_u_, &step_, &step_u_, &old_p_, &old_u_, &z_}) x->reserve(n);
+  for (std::vector<double>* x : {&target_, &p_, &u_, &best_p_, &fixed_, &fixed_u_, &made_u_, &step_, &step_u_, &old_p_, &old_u_, &z_})
+    x->reserve(n);
   unknowns_.reserve(n);
   sliding_.reserve(n);
   A_.reserve(n * (n + 1));
@@ -427,8 +429,7 @@ void DenseIsland::project(const IslandRows& island) {
 }
 
 /// Newton steps until the residual is below the tolerance. Keeps the impulses in best_p_ if they are the best so far.
-void DenseIsland::solve_by_newton(const IslandRows& island, double augmentation, double later, double tolerance,
-                                  DenseResult& result) {
+void DenseIsland::solve_by_newton(const IslandRows& island, double augmentation, double later, double tolerance, DenseResult& result) {
   augmentation_ = augmentation;
   double norm = residual(island);
   for (int k = 1; k <= max_newton_steps && !result.converged && newton_step(island, norm); ++k) {

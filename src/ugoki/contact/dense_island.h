@@ -77,8 +77,7 @@ class DenseIsland {
   bool solve_equations();
   bool find_step(const IslandRows& island);
   bool newton_step(const IslandRows& island, double& norm);
-  void solve_by_newton(const IslandRows& island, double augmentation, double later, double tolerance,
-                       DenseResult& result);
+  void solve_by_newton(const IslandRows& island, double augmentation, double later, double tolerance, DenseResult& result);
   void project(const IslandRows& island);
   /// N s: p_n + impact_impulse of the contact of a roll block. @param block index of the roll block in the island
   [[nodiscard]] double normal_impulse(std::size_t block) const {
@@ -99,11 +98,12 @@ class DenseIsland {
   std::vector<double> made_u_;          // [n] velocity changes by a unit of one unknown
   std::vector<Unknown> unknowns_;       // all but those in sliding_; their part of the matrix is symmetric
   std::vector<Unknown> sliding_;        // normal impulses of sliding contacts, with the friction that they make
-  std::vector<double> step_, step_u_;  // [n] Newton step and the velocity change that it causes
-  std::vector<double> old_p_, old_u_;  // [n] impulses and velocities before the Newton step
-  double augmentation_ = 1;            // a of the natural map (top of this file)
-  double max_residual_ = 0;            // m/s: maximum entry of the natural map at the last call of residual()
-  // [unknowns][unknowns + 2 sliding + 1]: upper half of the symmetric part, columns of sliding_, their equations' rows as columns, right side
+  std::vector<double> step_, step_u_;   // [n] Newton step and the velocity change that it causes
+  std::vector<double> old_p_, old_u_;   // [n] impulses and velocities before the Newton step
+  double augmentation_ = 1;             // a of the natural map (top of this file)
+  double max_residual_ = 0;             // m/s: maximum entry of the natural map at the last call of residual()
+  // [unknowns][unknowns + 2 sliding + 1]: upper half of the symmetric part, columns of sliding_, their equations' rows as columns, right
+  // side
   std::vector<double> A_;
   std::vector<double> S_;        // [sliding][sliding + 1] equations of sliding_, last column: right side
   std::vector<double> z_;        // [unknowns + sliding] solution

@@ -41,8 +41,8 @@ constexpr double too_deep = 1e-3;  // m: if a deeper overlap is left after all p
 
 // Limits of the work in one step. With them, a step of absurd content (inertia 1e-9 kg m^2, force 1e5 N) takes 0.1 s instead of seconds.
 // In a step that is not split, each island uses at most GuardOptions::passes times 1e6 operations (VelocitySolver).
-constexpr double max_newton_operations = 2e7;       // estimated floating-point operations of Newton's method
-constexpr std::int64_t max_distances = 40'000;      // distances measured to find passages; also distances measured to find swept contacts
+constexpr double max_newton_operations = 2e7;         // estimated floating-point operations of Newton's method
+constexpr std::int64_t max_distances = 40'000;        // distances measured to find passages; also distances measured to find swept contacts
 constexpr std::int64_t max_distances_of_shape = 500;  // additional distances to find passages, for each shape of the scene
 
 // Fields of ContactPoint::key. collision::find_contacts() uses feature indices below first_feature.

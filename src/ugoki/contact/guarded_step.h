@@ -48,7 +48,7 @@ class GuardedStep {
   [[nodiscard]] std::span<const collision::ContactPoint> contacts() const { return all_contacts_; }
   /// [contacts()] N, world: mean force over the step on body a of each contact.
   [[nodiscard]] std::span<const Vec3> forces() const { return forces_; }
-  [[nodiscard]] int passes() const { return passes_; }      ///< how often the last step, or its last substep, was solved
+  [[nodiscard]] int passes() const { return passes_; }  ///< how often the last step, or its last substep, was solved
   /// m: maximum depth, at the end of the last step or substep, of overlaps that appeared or grew in it; 0: none.
   [[nodiscard]] double depth() const { return depth_; }
 

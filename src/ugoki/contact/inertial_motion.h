@@ -45,10 +45,10 @@ class InertialMotion {
   bool step_open(const Mechanism& m, dynamics::Workspace& ws, std::span<double> q, std::span<double> v, double h);
   bool step_closed(const Mechanism& m, dynamics::ClosedLinks& closed, std::span<double> q, std::span<double> v, double h, double& gap);
 
-  std::vector<std::size_t> angles_;     // DOFs that are angles
-  std::vector<std::size_t> rotations_;  // first DOF of each rotation by a quaternion
-  std::vector<double> zeros_;           // [nv]
-  std::vector<double> u_, rate_, a_;    // [nv] displacement, its rate, acceleration of a stage
+  std::vector<std::size_t> angles_;              // DOFs that are angles
+  std::vector<std::size_t> rotations_;           // first DOF of each rotation by a quaternion
+  std::vector<double> zeros_;                    // [nv]
+  std::vector<double> u_, rate_, a_;             // [nv] displacement, its rate, acceleration of a stage
   std::vector<double> stage_v_, sum_u_, sum_v_;  // [nv] velocity of a stage; weighted sums of the rates
   std::vector<double> stage_q_, start_q_;        // [nq]
   std::vector<double> start_v_;                  // [nv]

@@ -26,8 +26,8 @@ class SceneStep {
 
  private:
   Stepper stepper_;
-  collision::Scene scene_;     // shapes that the guard tests
-  GuardedStep guard_;          // repeats steps that end in penetration, with additional contacts
+  collision::Scene scene_;            // shapes that the guard tests
+  GuardedStep guard_;                 // repeats steps that end in penetration, with additional contacts
   std::vector<char> touches_itself_;  // [systems] 1: the system has contacts between its own links
   std::span<const Vec3> forces_;
 };

@@ -64,8 +64,7 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
     const auto n = static_cast<std::size_t>(m.nv());
     first.push_back(first.back() + m.nv());
     SystemScratch& x = scratch_.emplace_back(m);
-    for (std::vector<double>* array : {&x.v, &x.extra, &x.free_v, &x.unforced, &x.mean, &x.displacement})
-      array->resize(n);
+    for (std::vector<double>* array : {&x.v, &x.extra, &x.free_v, &x.unforced, &x.mean, &x.displacement}) array->resize(n);
     x.zeros.assign(n, 0.0);
     x.free_motion.resize(n);
     for (int i = 0; i < m.link_count(); ++i) {
@@ -177,11 +176,12 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
     report.limits = static_cast<int>(solver_.blocks().size() - before);
     solved = solver_.solve(solver_options(dt, forced < contacts.size()));
     add_impulses();
-    // An open system that becomes fast in this step is solved again, with its velocity-dependent forces left to InertialMotion. A closed one
-    // is not: with a second solution the energy of a falling cassie_v2 rises by its weight times 2 m (FallingRobots tests).
+    // An open system that becomes fast in this step is solved again, with its velocity-dependent forces left to InertialMotion. A closed
+    // one is not: with a second solution the energy of a falling cassie_v2 rises by its weight times 2 m (FallingRobots tests).
     solve = false;
     for (SystemScratch& x : scratch_)
-      if (x.inertial && !x.loops && !x.is_inertial && x.inertial->turn(x.free_v, dt) > InertialMotion::threshold) solve = x.is_inertial = true;
+      if (x.inertial && !x.loops && !x.is_inertial && x.inertial->turn(x.free_v, dt) > InertialMotion::threshold)
+        solve = x.is_inertial = true;
   }
   if (report.status != StepStatus::ok) {
     forces_.assign(contacts.size(), Vec3{});

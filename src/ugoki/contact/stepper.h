@@ -76,16 +76,16 @@ enum class StepStatus {
 struct StepReport {
   StepStatus status = StepStatus::ok;
   int system = -1, dof = -1;
-  int sweeps = 0;        ///< maximum number of sweeps over one island
-  int newton_steps = 0;  ///< Newton steps, summed over all islands
-  int handed_over = 0;   ///< small islands that the dense solver did not finish (velocity_solver.h)
-  int islands = 0;       ///< groups of systems joined by contacts, and single systems with rows (limits, dry friction, ground contacts)
-  double residual = 0;   ///< m/s: maximum change of velocity in the last sweep
-  int contacts = 0;      ///< number of contacts that received rows
-  int limits = 0;        ///< number of rows of joint limits and dry friction
-  int impacts = 0;       ///< number of collisions in the impact phase
-  double loop_gap = 0;   ///< m | rad: maximum gap of a closed loop after the step
-  int substeps = 1;      ///< substeps into which GuardedStep split the step; 1: the step was not split
+  int sweeps = 0;         ///< maximum number of sweeps over one island
+  int newton_steps = 0;   ///< Newton steps, summed over all islands
+  int handed_over = 0;    ///< small islands that the dense solver did not finish (velocity_solver.h)
+  int islands = 0;        ///< groups of systems joined by contacts, and single systems with rows (limits, dry friction, ground contacts)
+  double residual = 0;    ///< m/s: maximum change of velocity in the last sweep
+  int contacts = 0;       ///< number of contacts that received rows
+  int limits = 0;         ///< number of rows of joint limits and dry friction
+  int impacts = 0;        ///< number of collisions in the impact phase
+  double loop_gap = 0;    ///< m | rad: maximum gap of a closed loop after the step
+  int substeps = 1;       ///< substeps into which GuardedStep split the step; 1: the step was not split
   int not_converged = 0;  ///< islands whose residual is above the tolerance and above 1e-5 m/s (SolverReport); summed over the substeps
 
   // Failures of stages of a step that has status ok, summed over the substeps.
@@ -175,26 +175,26 @@ class Stepper {
 
   struct SystemScratch {
     explicit SystemScratch(const Mechanism& m) : factor(m) {}
-    dynamics::ArticulatedFactor factor;   // of the inertia M'
-    std::vector<double> v;                // [nv] velocity after the impacts
-    std::vector<double> extra;            // [nv] dt D + dt^2 K: implicit damping and stiffness added to the inertia
-    std::vector<double> free_v;           // [nv] velocity without impulses; finish() adds their effect
-    std::vector<double> unforced;         // [nv] velocity without impulses, kept for repeat()
-    std::vector<double> mean;             // [nv] mean of the old and new velocities
-    std::vector<double> zeros;            // [nv]
-    std::vector<Vec6> free_motion;        // [nv] velocity without impulses of the link that each DOF moves, about p0
-    bool has_free_motion = false;         // free_motion is computed
-    std::vector<double> displacement;     // [nv] m | rad: joint displacements from the neutral position
-    std::vector<int> limited_links;       // links whose joint has a limited DOF
-    std::vector<int> dry_friction_dofs;   // DOFs with dry friction
-    std::vector<char> contiguous_chain;   // [nv] 1: the chain of this DOF is 0, 1, 2 ...
-    int singular_dof = -1;                // result of prepare(): DOF whose pivot is not positive; -1: none
-    double loop_gap = 0;                  // m | rad: maximum gap of the system's loops, result of integrate_system()
-    bool motion_failed = false;           // result of integrate_system(): see StepReport::failed_motions
-    double rolling_radius = 0;            // m: radius of a free round body; 0 for all other systems
-    bool free_body = false;               // true: the system is one floating link
-    bool springs = false;                 // true: at least one joint has a spring
-    bool is_inertial = false;             // true: this step ends with `inertial`, which adds the velocity-dependent forces
+    dynamics::ArticulatedFactor factor;        // of the inertia M'
+    std::vector<double> v;                     // [nv] velocity after the impacts
+    std::vector<double> extra;                 // [nv] dt D + dt^2 K: implicit damping and stiffness added to the inertia
+    std::vector<double> free_v;                // [nv] velocity without impulses; finish() adds their effect
+    std::vector<double> unforced;              // [nv] velocity without impulses, kept for repeat()
+    std::vector<double> mean;                  // [nv] mean of the old and new velocities
+    std::vector<double> zeros;                 // [nv]
+    std::vector<Vec6> free_motion;             // [nv] velocity without impulses of the link that each DOF moves, about p0
+    bool has_free_motion = false;              // free_motion is computed
+    std::vector<double> displacement;          // [nv] m | rad: joint displacements from the neutral position
+    std::vector<int> limited_links;            // links whose joint has a limited DOF
+    std::vector<int> dry_friction_dofs;        // DOFs with dry friction
+    std::vector<char> contiguous_chain;        // [nv] 1: the chain of this DOF is 0, 1, 2 ...
+    int singular_dof = -1;                     // result of prepare(): DOF whose pivot is not positive; -1: none
+    double loop_gap = 0;                       // m | rad: maximum gap of the system's loops, result of integrate_system()
+    bool motion_failed = false;                // result of integrate_system(): see StepReport::failed_motions
+    double rolling_radius = 0;                 // m: radius of a free round body; 0 for all other systems
+    bool free_body = false;                    // true: the system is one floating link
+    bool springs = false;                      // true: at least one joint has a spring
+    bool is_inertial = false;                  // true: this step ends with `inertial`, which adds the velocity-dependent forces
     std::unique_ptr<InertialMotion> inertial;  // null: a single link or DOF
     struct Loops {
       explicit Loops(const Mechanism& m);

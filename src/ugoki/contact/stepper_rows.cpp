@@ -36,7 +36,8 @@ double* Stepper::add_side(std::size_t s, int last) {
   return solver_.add_segment(static_cast<int>(s), chain, length).data();
 }
 
-/// Velocity without impulses, about p0, of the link that DOF `last` moves. Computed for all links of the system at the first call in a step.
+/// Velocity without impulses, about p0, of the link that DOF `last` moves. Computed for all links of the system at the first call in a
+/// step.
 const Vec6& Stepper::free_velocity(std::size_t s, int last) {
   SystemScratch& x = scratch_[s];
   if (!x.has_free_motion) {
@@ -102,7 +103,8 @@ void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt
     scratch_[s].factor.whiten_wrenches(last, wrenches, add_side(s, last));
     if (scratch_[s].loops) spread_over_loops(s, last);
   }
-  const double wanted = gap > 0 || forced ? -gap / dt : std::min(-gap / options_.recovery_time, (deep ? deep_recovery : 1) * options_.recovery_speed);
+  const double wanted =
+      gap > 0 || forced ? -gap / dt : std::min(-gap / options_.recovery_time, (deep ? deep_recovery : 1) * options_.recovery_speed);
   const double target[3] = {free_n - wanted, dot(t1, free), dot(t2, free)};
   const Warm* warm = warm_.find(c.key);
   solver_.end_block(target, warm ? std::span<const double>(warm->p) : std::span<const double>());

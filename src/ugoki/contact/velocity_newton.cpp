@@ -143,7 +143,8 @@ double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p,
   };
   switch (b.kind) {
     case RowKind::contact: {
-      const double soft = b.compliance * b.B[0], R = regularization_ * b.B[0], Rn = R + soft, Rt = regularization_ * std::max(b.B[1], b.B[2]);
+      const double soft = b.compliance * b.B[0], R = regularization_ * b.B[0], Rn = R + soft,
+                   Rt = regularization_ * std::max(b.B[1], b.B[2]);
       const double xn = R * hat[0] - u[0] - saxce_[static_cast<std::size_t>(b.row)];
       std::fill_n(G, 9, 0.0);
       // After an impact the friction cone includes the impact's impulse, so that its tip is not at p = 0: use a disk of the last radius.

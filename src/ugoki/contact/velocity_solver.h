@@ -32,18 +32,18 @@ namespace ugoki::contact {
 struct SolverOptions {
   int iterations = 60;      ///< maximum number of sweeps over an island
   double tolerance = 1e-7;  ///< m/s: an island has converged when no velocity changes by more in a sweep
-  double coarse = 0.05;  ///< m/s: tolerance of islands of more than 256 blocks; a fifth of it where Newton's method is too expensive
-  double softness = 1e-4;  ///< minimum of RowBlock::softness for contacts; redundant contacts then share their load
+  double coarse = 0.05;     ///< m/s: tolerance of islands of more than 256 blocks; a fifth of it where Newton's method is too expensive
+  double softness = 1e-4;   ///< minimum of RowBlock::softness for contacts; redundant contacts then share their load
   int max_dense_rows = DenseIsland::max_rows;  ///< islands of more rows are solved without method 1
 };
 
 struct SolverReport {
-  int islands = 0;       ///< number of islands solved
-  int sweeps = 0;        ///< maximum number of sweeps over one island
-  int newton_steps = 0;  ///< Newton steps, summed over all islands
-  int handed_over = 0;   ///< small islands for which method 1 (dense matrix) did not converge
-  int not_converged = 0; ///< islands with a residual above tolerance and accepted_residual (DenseIsland), also if not solved again
-  double residual = 0;   ///< m/s: maximum change of a velocity in the last sweep
+  int islands = 0;        ///< number of islands solved
+  int sweeps = 0;         ///< maximum number of sweeps over one island
+  int newton_steps = 0;   ///< Newton steps, summed over all islands
+  int handed_over = 0;    ///< small islands for which method 1 (dense matrix) did not converge
+  int not_converged = 0;  ///< islands with a residual above tolerance and accepted_residual (DenseIsland), also if not solved again
+  double residual = 0;    ///< m/s: maximum change of a velocity in the last sweep
 };
 
 /// Scenes with fewer DOFs are stepped on one thread, because the threads of a pool need 5 to 20 us to begin and end. In this time, one
@@ -142,7 +142,7 @@ class VelocitySolver {
   Executor* executor_ = nullptr;
   std::vector<std::unique_ptr<Worker>> workers_;
   std::vector<int> to_solve_;  // indices in islands_ of the islands to solve
-  std::vector<double> used_;  // [to_solve_] floating-point operations that Newton's method used for each of these islands
+  std::vector<double> used_;   // [to_solve_] floating-point operations that Newton's method used for each of these islands
 
   DenseIsland dense_;
   std::vector<int> first_;  // [systems + 1] index in w_ of the first DOF of each system
@@ -164,15 +164,15 @@ class VelocitySolver {
   std::vector<char> failed_;  // [systems] 1: the system is the first of an island that is not solved to the tolerance
 
   // Newton's method (symbols: velocity_newton.cpp)
-  double regularization_ = 0;                                   // R relative to a block's inverse inertia
-  double budget_ = 0, cost_ = 0;  // floating-point operations: left for the present island; needed by one Newton step
-  double island_budget_ = 0;      // floating-point operations that Newton's method may use for each island in one call
-  double newton_left_ = HUGE_VAL; // floating-point operations left for all islands until the next limit_newton()
-  std::vector<int> local_;                                      // [systems] first row of the system in H_
-  std::vector<int> lowest_;                                     // [n] first column of each row in the envelope of H_
-  std::vector<std::size_t> start_;                              // [n] index in H_ of the first stored entry of each row (column lowest_)
-  std::vector<double> H_;                                       // Newton matrix H: envelope, row by row
-  std::vector<double> G_;                                       // [blocks of the island * 9] -dp/du, row by row
+  double regularization_ = 0;       // R relative to a block's inverse inertia
+  double budget_ = 0, cost_ = 0;    // floating-point operations: left for the present island; needed by one Newton step
+  double island_budget_ = 0;        // floating-point operations that Newton's method may use for each island in one call
+  double newton_left_ = HUGE_VAL;   // floating-point operations left for all islands until the next limit_newton()
+  std::vector<int> local_;          // [systems] first row of the system in H_
+  std::vector<int> lowest_;         // [n] first column of each row in the envelope of H_
+  std::vector<std::size_t> start_;  // [n] index in H_ of the first stored entry of each row (column lowest_)
+  std::vector<double> H_;           // Newton matrix H: envelope, row by row
+  std::vector<double> G_;           // [blocks of the island * 9] -dp/du, row by row
   std::vector<double> F_, step_, old_w_, old_p_, hat_, saxce_;  // hat_: p^ of the augmented Lagrangian; saxce_: see fix_law()
   std::vector<double> base_;                                    // [DOFs] contribution to w_ of blocks outside the solved subset
   std::vector<double> scratch_w_;

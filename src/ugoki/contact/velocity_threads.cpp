@@ -28,7 +28,8 @@ void VelocitySolver::set_executor(Executor* executor) {
 
 /// Replaces the data of this solver by a copy of one island of `from`. All indices in the copy count from the beginning of the island.
 void VelocitySolver::copy_island(const VelocitySolver& from, const Island& island) {
-  const auto members = std::span(from.members_).subspan(static_cast<std::size_t>(island.first_system), static_cast<std::size_t>(island.systems));
+  const auto members =
+      std::span(from.members_).subspan(static_cast<std::size_t>(island.first_system), static_cast<std::size_t>(island.systems));
   const auto order = std::span(from.order_).subspan(static_cast<std::size_t>(island.first_block), static_cast<std::size_t>(island.blocks));
   clear();
   first_.assign(1, 0);
@@ -49,7 +50,8 @@ void VelocitySolver::copy_island(const VelocitySolver& from, const Island& islan
     target_.insert(target_.end(), from.target_.begin() + b.row, from.target_.begin() + b.row + rows);
     p_.insert(p_.end(), from.p_.begin() + b.row, from.p_.begin() + b.row + rows);
     b.row = static_cast<int>(p_.size() - static_cast<std::size_t>(rows));
-    const auto segments = std::span(from.segments_).subspan(static_cast<std::size_t>(b.first_segment), static_cast<std::size_t>(b.segments));
+    const auto segments =
+        std::span(from.segments_).subspan(static_cast<std::size_t>(b.first_segment), static_cast<std::size_t>(b.segments));
     b.first_segment = static_cast<int>(segments_.size());
     for (RowSegment x : segments) {
       const double* const y = from.rows_.data() + x.offset;

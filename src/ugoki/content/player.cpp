@@ -29,9 +29,9 @@ struct Player::Machine {
   struct StepPins {
     PinView not_converged, substeps, failures;
   };
-  std::vector<PinView> touches;                                  // output `touches` of every dynamics LSI
-  std::vector<StepPins> quality;                                 // report pins of every dynamics LSI
-  std::span<std::byte> live;                                     // input `live` of the circuit: the user's events for the next step
+  std::vector<PinView> touches;   // output `touches` of every dynamics LSI
+  std::vector<StepPins> quality;  // report pins of every dynamics LSI
+  std::span<std::byte> live;      // input `live` of the circuit: the user's events for the next step
   circuit::DeviceFeed devices;
   std::vector<PlayerInput> inputs;     // inputs applied since the start
   std::vector<PlayerInput> scheduled;  // sorted by step

@@ -57,9 +57,9 @@ struct BalanceOptions {
   double anchor_time = 0.04;  ///< s: time constant with which the anchor follows the foot
   double heading_time = 0.2;  ///< s: time constant of the anchor's heading; 0: the heading is not anchored
   double shift_growth = 2;    ///< 1/s: assumed growth rate of the DCM error until touch-down; without ankle torques the rate is w0
-  double max_transfer = 0.3;  ///< s: maximum duration of the double support in the calculation of a step's shift
-  double shift_time = 0.03;   ///< s: time constant with which a step's shift is updated
-  double max_shift = 0.8;     ///< m: maximum shift of a step
+  double max_transfer = 0.3;  ///< s: maximum duration of the double support in the calculation of how far the next foothold is shifted
+  double shift_time = 0.03;   ///< s: time constant with which the shift of the next foothold is updated
+  double max_shift = 0.8;     ///< m: maximum shift of the next foothold from its place in the reference
   double hurry = 1, hurry_from = 0.15,
          max_hurry = 1.4;        ///< 1/m, m, factor: rate of time in a swing = 1 + hurry (shift - hurry_from), between 1 and max_hurry
   double clearance = 0.01;       ///< m: added to the height of a swing foot in the middle of the swing
@@ -73,8 +73,8 @@ struct BalanceOptions {
   double separation = 0.14;      ///< m: minimum lateral distance of the feet after a reaction step
   double early = 0.6;            ///< fraction of the swing after which a touching foot stands
   double early_rate = 1.6, late_rate = 1;  ///< rate of the reference's time after an early touch-down, and while a touch-down is late
-  int limit_rounds = 2;                    ///< maximum number of further solutions; each adds the limits that the previous solution exceeds as constraints
-  Vec3 gravity{0, 0, -9.81};               ///< m/s^2, world
+  int limit_rounds = 2;  ///< maximum number of further solutions; each adds the limits that the previous solution exceeds as constraints
+  Vec3 gravity{0, 0, -9.81};  ///< m/s^2, world
 };
 
 /// State of the controller between ticks. Plain data, so that it can be saved, restored and replayed.

@@ -42,7 +42,8 @@ class ContactForceProblem {
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
-  std::vector<Vec6> columns_;  // [4 * supports] columns of the map G from edge forces to root force and moment; moments are divided by a length, so that all are in N
+  std::vector<Vec6> columns_;  // [4 * supports] columns of the map G from edge forces to root force and moment; moments are divided by a
+                               // length, so that all are in N
   std::vector<Vec3> edges_;    // [4 * supports] edges of the friction pyramids, divided by sqrt(cost)
   int iterations_ = 0;
 };

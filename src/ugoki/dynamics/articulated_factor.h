@@ -52,16 +52,16 @@ class ArticulatedFactor {
   struct Dof {
     double S[6], U[6];
     double pivot, inverse, root;  // D, 1 / D, D^-1/2
-    int parent;            // parent DOF; -1: base
-    int depth;             // number of ancestors
+    int parent;                   // parent DOF; -1: base
+    int depth;                    // number of ancestors
   };
   struct Inertia6 {
     double x[36];  // symmetric matrix, row by row
   };
   std::vector<Dof> dofs_;
-  std::vector<int> first_link_, links_;      // links rigidly attached to each DOF: links_[first_link_[k]] to links_[first_link_[k + 1] - 1]
-  std::vector<Inertia6> IA_;                 // [nv] articulated-body inertias
-  mutable std::vector<double> sweep_;        // [nv * 6] forces or accelerations during a recursion
+  std::vector<int> first_link_, links_;  // links rigidly attached to each DOF: links_[first_link_[k]] to links_[first_link_[k + 1] - 1]
+  std::vector<Inertia6> IA_;             // [nv] articulated-body inertias
+  mutable std::vector<double> sweep_;    // [nv * 6] forces or accelerations during a recursion
 };
 
 }  // namespace ugoki::dynamics

@@ -264,9 +264,9 @@ struct Pass {
   static constexpr bool twins = !std::is_same_v<Constant, Real>;
   const KernelArguments<Real, Constant>& a;
   Scratch scratch;
-  T* sin;       ///< [angles] sine of each joint angle
-  T* cos;       ///< [angles] cosine of each joint angle
-  Mat3T<T>* E;  ///< [nodes] rotation(i), node axes to parent axes; floating nodes: without constants[i].R; only for Crossing::matrix
+  T* sin;            ///< [angles] sine of each joint angle
+  T* cos;            ///< [angles] cosine of each joint angle
+  Mat3T<T>* E;       ///< [nodes] rotation(i), node axes to parent axes; floating nodes: without constants[i].R; only for Crossing::matrix
   Vec6T<T>* wrench;  ///< [nodes] external wrench in the node's axes about its origin, or null
 
   explicit Pass(const KernelArguments<Real, Constant>& arguments)

@@ -61,7 +61,8 @@ std::unexpected<Error> failed(const std::string& path, const std::string& senten
 Result<void> check_kind(const std::string& path, mode_t mode) {
   if (S_ISREG(mode) || S_ISFIFO(mode)) return {};
   if (S_ISDIR(mode)) return fail(ErrorCode::io, path, "This is a folder, not a file.", "Name a file inside it.");
-  return fail(ErrorCode::io, path, S_ISSOCK(mode) ? "This is a socket, not a file." : "This is a device, not a file.", "Name a file or a pipe.");
+  return fail(ErrorCode::io, path, S_ISSOCK(mode) ? "This is a socket, not a file." : "This is a device, not a file.",
+              "Name a file or a pipe.");
 }
 
 bool write_all(int fd, std::span<const std::byte> bytes) {

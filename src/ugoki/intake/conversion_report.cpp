@@ -10,7 +10,7 @@ namespace {
 
 /// Key phrases of one category of remarks.
 struct PhraseList {
-  std::vector<std::string> ConversionReport::*part;
+  std::vector<std::string> ConversionReport::* part;
   std::vector<std::string_view> phrases;
 };
 /// Phrase lists in order of precedence: a remark belongs to the first list of which it contains a phrase, otherwise to `read`.

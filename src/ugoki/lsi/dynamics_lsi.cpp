@@ -203,7 +203,8 @@ void add_dynamics(circuit::Library& library) {
   c.doc =
       "General-purpose dynamics: advances every character by one step under torques, gravity, contact, friction, joint limits, pushes and "
       "pulls. If bodies would penetrate each other by more than 0.4 mm at the end of a step, the step is solved again with additional "
-      "contacts. In groups of touching bodies with at most 256 contacts and limits, their conditions are solved to rounding; with more, to 0.1 mm "
+      "contacts. In groups of touching bodies with at most 256 contacts and limits, their conditions are solved to rounding; with more, to "
+      "0.1 mm "
       "per step.";
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
               input_pin("contacts", PinTypeId::contacts, "", "Contact points now."),
@@ -215,12 +216,19 @@ void add_dynamics(circuit::Library& library) {
   c.inputs[in_events].required = false;
   c.inputs[in_torque].required = false;
   c.inputs[in_torque].multiple = true;
-  c.outputs = {output_pin("next", PinTypeId::state, "", "Positions and velocities one step later."),
-               output_pin("contacts", PinTypeId::contacts, "", "The contact points with their forces."),
-               output_pin("touches", PinTypeId::event, "", "Touches of links that began or ended in this tick, with their impulses; at most 64, the last one counts the further ones."),
-               output_pin("not converged", PinTypeId::scalar, "", "Number of groups of touching bodies whose contacts were not solved to the tolerance in this tick."),
-               output_pin("substeps", PinTypeId::scalar, "", "Number of substeps into which the tick was split because bodies would have passed through each other; 1: none."),
-               output_pin("failures", PinTypeId::scalar, "", "Number of failed stages of the tick: motions without bias forces, unfinished impacts, open loops, stops, overlaps that are left (docs/design/contact.md).")};
+  c.outputs = {
+      output_pin("next", PinTypeId::state, "", "Positions and velocities one step later."),
+      output_pin("contacts", PinTypeId::contacts, "", "The contact points with their forces."),
+      output_pin(
+          "touches", PinTypeId::event, "",
+          "Touches of links that began or ended in this tick, with their impulses; at most 64, the last one counts the further ones."),
+      output_pin("not converged", PinTypeId::scalar, "",
+                 "Number of groups of touching bodies whose contacts were not solved to the tolerance in this tick."),
+      output_pin("substeps", PinTypeId::scalar, "",
+                 "Number of substeps into which the tick was split because bodies would have passed through each other; 1: none."),
+      output_pin("failures", PinTypeId::scalar, "",
+                 "Number of failed stages of the tick: motions without bias forces, unfinished impacts, open loops, stops, overlaps that "
+                 "are left (docs/design/contact.md).")};
   c.parameters = {
       number_parameter("iterations", usual.iterations, 1, 10000, "", "Maximum number of sweeps over the contacts."),
       number_parameter("tolerance", usual.tolerance, 1e-15, 1, "m/s", "Sweeps end when no velocity changes by more than this.")};

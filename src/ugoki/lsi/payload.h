@@ -22,7 +22,17 @@ namespace ugoki::lsi {
 ///   touch    a: contact point, m; b: impulse on the link in the first step, N s; c: indices of the other character (-1: ground) and link
 ///   parting  a: point at which the touch began, m; b: total impulse of the touch, N s; c: as in touch; `duration`, s: of the touch
 ///   omitted  a: x: number of further touches and partings of the tick, for which the output has no room; the last record of the tick
-enum class EventKind : std::uint32_t { none = 0, push = 1, grab = 2, drag = 3, release = 4, throwing = 5, touch = 6, parting = 7, omitted = 8 };
+enum class EventKind : std::uint32_t {
+  none = 0,
+  push = 1,
+  grab = 2,
+  drag = 3,
+  release = 4,
+  throwing = 5,
+  touch = 6,
+  parting = 7,
+  omitted = 8
+};
 
 struct EventRecord {
   EventKind kind = EventKind::none;

@@ -77,7 +77,8 @@ class Elf {
       if (!read(header.e_phoff + i * sizeof(Elf64_Phdr), segments[i])) return;
     const auto offset_of = [&](Elf64_Addr address) {
       for (const Elf64_Phdr& s : segments)
-        if (s.p_type == PT_LOAD && address >= s.p_vaddr && address - s.p_vaddr < s.p_filesz) return static_cast<std::size_t>(s.p_offset + (address - s.p_vaddr));
+        if (s.p_type == PT_LOAD && address >= s.p_vaddr && address - s.p_vaddr < s.p_filesz)
+          return static_cast<std::size_t>(s.p_offset + (address - s.p_vaddr));
       return bytes_.size();
     };
     for (const Elf64_Phdr& s : segments) {
@@ -148,8 +149,8 @@ void read_manifest(std::string_view content, Inspection& out) {
 
 /// True for the libraries of C and C++ and of the sanitizers, which every program may load.
 bool is_standard(std::string_view library) {
-  for (const char* stem : {"libc.so", "libm.so", "libstdc++.so", "libgcc_s.so", "libpthread.so", "libdl.so", "librt.so", "ld-linux-x86-64.so",
-                           "libatomic.so", "libgomp.so", "libasan.so", "libubsan.so", "libtsan.so"})
+  for (const char* stem : {"libc.so", "libm.so", "libstdc++.so", "libgcc_s.so", "libpthread.so", "libdl.so", "librt.so",
+                           "ld-linux-x86-64.so", "libatomic.so", "libgomp.so", "libasan.so", "libubsan.so", "libtsan.so"})
     if (library.starts_with(stem)) return true;
   return false;
 }

@@ -12,12 +12,12 @@ namespace ugoki::plugin {
 
 /// What the file of a library states about itself. Texts are from an untrusted file; control characters are replaced by '?'.
 struct Inspection {
-  std::string hash;                   ///< SHA-256 of the file, 64 hexadecimal digits
-  bool fmu = false;                   ///< the file is an FMU; the fields below are empty then
-  std::string name;                   ///< name of the library; empty: the file does not state it
-  std::vector<std::string> lsis;      ///< names of the LSIs; empty: the file does not state them
-  std::vector<std::string> needed;    ///< further libraries that are loaded with it, without those of C and C++; the hash does not cover them
-  std::string search_path;            ///< folders in which these are searched first (DT_RUNPATH, DT_RPATH); may be empty
+  std::string hash;                 ///< SHA-256 of the file, 64 hexadecimal digits
+  bool fmu = false;                 ///< the file is an FMU; the fields below are empty then
+  std::string name;                 ///< name of the library; empty: the file does not state it
+  std::vector<std::string> lsis;    ///< names of the LSIs; empty: the file does not state them
+  std::vector<std::string> needed;  ///< further libraries that are loaded with it, without those of C and C++; the hash does not cover them
+  std::string search_path;          ///< folders in which these are searched first (DT_RUNPATH, DT_RPATH); may be empty
   std::vector<std::string> writable;  ///< global and static variables that the code can change, sorted
 };
 

@@ -57,7 +57,7 @@ class PassOnSignals {
   struct sigaction usual_[std::size(signals)];
 };
 
-constexpr int looks_per_program_check = 10;  // the program of the child is compared after this number of look periods
+constexpr int looks_per_program_check = 10;           // the program of the child is compared after this number of look periods
 constexpr std::chrono::milliseconds look_period{20};  // a child that ended while its pipe stays open is noticed after this time
 
 /// How a process ended: "exit status 0" or "signal 9, Killed".
@@ -156,7 +156,8 @@ Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseco
   if (stopped_too_long) {
     char limit[32];
     std::snprintf(limit, sizeof limit, "%.1f s", 1e-3 * static_cast<double>(patience.count()));
-    return fail(missing_report(guard_block(), "stopped its process (SIGSTOP), which did not continue within " + std::string(limit) + " and was ended"));
+    return fail(missing_report(guard_block(),
+                               "stopped its process (SIGSTOP), which did not continue within " + std::string(limit) + " and was ended"));
   }
   return fail(missing_report(guard_block(), "ended its process (" + end_text(status) + ")"));
 }

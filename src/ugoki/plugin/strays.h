@@ -24,8 +24,8 @@ struct ProgramId {
 /// (PR_SET_CHILD_SUBREAPER), its children include the orphaned descendants of ended processes.
 void end_children_except(const std::vector<pid_t>& kept);
 
-/// Kills all processes of this user that were started with the entry `variable` ("NAME=VALUE") in their environment, whatever their session,
-/// process group or parent. Does not find a process that cleared its environment before it executed another program.
+/// Kills all processes of this user that were started with the entry `variable` ("NAME=VALUE") in their environment, whatever their
+/// session, process group or parent. Does not find a process that cleared its environment before it executed another program.
 void end_marked(std::string_view variable);
 
 }  // namespace ugoki::plugin

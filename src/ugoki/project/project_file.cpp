@@ -113,7 +113,8 @@ Result<ProjectFile> ProjectFile::open(const std::string& path, bool read_only) {
   if (std::filesystem::is_directory(path, ignored))
     return fail(ErrorCode::io, path, "This is a folder, not a project file.", "Name a *.ugoki file.");
   if (!std::filesystem::is_regular_file(path, ignored)) return fail(ErrorCode::io, path, "This is not a file.", "Name a *.ugoki file.");
-  if (Result<void> good = store::check_log(std::filesystem::weakly_canonical(path, ignored).string()); !good) return fail(std::move(good.error()));
+  if (Result<void> good = store::check_log(std::filesystem::weakly_canonical(path, ignored).string()); !good)
+    return fail(std::move(good.error()));
   {
     Result<store::Database> look = store::Database::open(path, store::OpenMode::read_only);
     if (!look) return fail(std::move(look.error()));
@@ -190,7 +191,7 @@ std::optional<Loss> ProjectFile::lost() {
       return Loss{"Another program removed or replaced " + side + " while the project was open"};
   // Another program that merges the log (the sqlite3 shell, for example) leaves the stamp of the last transaction in the file.
   const Result<std::optional<store::StampRow>> stamp = stamp_in_file();
-  if (!stamp) return std::nullopt;  // the disk fails; this is not the work of another program
+  if (!stamp) return std::nullopt;                      // the disk fails; this is not the work of another program
   if (*stamp && *stamp == stamp_) return std::nullopt;  // the file contains all transactions
   if (const LogBegin log = log_begin(); !log_.continues_in(log) || !is_log(log.header))
     return Loss{"Another program changed " + real_path_ + suffixes[1] + " while the project was open", false};
@@ -216,7 +217,8 @@ Result<void> ProjectFile::write(const std::function<Result<void>()>& work) {
   stamp_ = *stamp;
   if (page_size_ == 0) return {};
   log_ = log_begin();
-  // The commit may have merged the log, or a part of it if another program reads the file. Another stamp is not accepted: lost() reports it.
+  // The commit may have merged the log, or a part of it if another program reads the file. Another stamp is not accepted: lost() reports
+  // it.
   const Result<std::optional<store::StampRow>> merged = stamp_in_file();
   if (!merged || !*merged || *merged == merged_stamp_) return {};
   if (*merged != stamp_) {

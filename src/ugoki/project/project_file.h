@@ -97,7 +97,8 @@ class ProjectFile {
   std::string real_path_;                 ///< path without symbolic links; SQLite's names of the -wal and -shm files begin with it
   std::array<Identity, 3> identities_{};  ///< identities of the project file, its -wal file and its -shm file
   std::int64_t page_size_ = 0, stamp_page_ = 0;
-  /// Begin and size of the write-ahead log. SQLite does not read them again, so a change by another program goes unnoticed until the next start.
+  /// Begin and size of the write-ahead log. SQLite does not read them again, so a change by another program goes unnoticed until the next
+  /// start.
   struct LogBegin {
     std::array<unsigned char, 32> header{};  // header of the log (SQLite, "WAL file format"), zeros if it is shorter
     std::uint64_t size = 0;                  // bytes

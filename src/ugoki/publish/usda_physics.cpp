@@ -34,8 +34,8 @@ constexpr const char* motions[6] = {"transX", "transY", "transZ", "rotX", "rotY"
 /// A joint of UsdPhysics. For the generic type PhysicsJoint, `free` lists the motions that are not locked.
 struct UsdJoint {
   std::string type;
-  Mat3 R;              // USD joint's frame in the joint's frame: z is along the axis; universal joint: x and y are along the two axes
-  bool free[6] = {};   // [motions] true: the motion is free
+  Mat3 R;             // USD joint's frame in the joint's frame: z is along the axis; universal joint: x and y are along the two axes
+  bool free[6] = {};  // [motions] true: the motion is free
 };
 Mat3 along(const Vec3& axis) { return to_matrix(rotation_between({0, 0, 1}, axis)); }
 
@@ -147,7 +147,8 @@ class PhysicsWriter {
   }
 
   /// Writes a joint between two links (-1: the world). @param X0, X1 poses of the joint's frame in the two links
-  void joint(const std::string& name, const UsdJoint& j, int link0, int link1, const Pose& X0, const Pose& X1, const Dof* limits, bool loop) {
+  void joint(const std::string& name, const UsdJoint& j, int link0, int link1, const Pose& X0, const Pose& X1, const Dof* limits,
+             bool loop) {
     std::string schemas;
     for (int k = 0; k < 6 && j.type == "PhysicsJoint"; ++k)
       if (!j.free[k]) schemas += (schemas.empty() ? "" : ", ") + ("\"PhysicsLimitAPI:" + std::string(motions[k]) + '"');

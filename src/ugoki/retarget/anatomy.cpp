@@ -85,7 +85,7 @@ class Finder {
  private:
   [[nodiscard]] const Link& link(int i) const { return m_.link(i); }
 
-  /// Sets R_WA: the axis to the left is the mean horizontal direction from right to left partner links, found by name. Fills p_.
+  /// Sets R_WA, whose y axis (left) is the mean horizontal direction from right links to their left partners, found by name. Fills p_.
   void turn_to_anatomical_axes() {
     std::vector<std::string> names;
     for (int i = 0; i < n_; ++i) names.push_back(normalized_name(link(i).name));

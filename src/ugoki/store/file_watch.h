@@ -52,8 +52,8 @@ class FileWatch {
   class NameMark;
   std::shared_ptr<const NameMark> mark_;  ///< shared by the connections of this process; null: the file system has no such locks
   std::int64_t page_size_ = 0, stamp_page_ = 0;
-  std::int64_t data_version_ = 0;               ///< PRAGMA data_version when `last_` was read
-  std::optional<StampRow> in_file_, last_;      ///< last known stamp in the file without its log; stamp of the last known transaction
+  std::int64_t data_version_ = 0;           ///< PRAGMA data_version when `last_` was read
+  std::optional<StampRow> in_file_, last_;  ///< last known stamp in the file without its log; stamp of the last known transaction
 };
 
 }  // namespace ugoki::store

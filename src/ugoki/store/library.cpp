@@ -120,8 +120,7 @@ Result<std::unique_ptr<LibraryBody>> open_file_read_only(const std::string& path
   if (Result<void> good = check_library(*database); !good) return fail(std::move(good.error()));
   const Result<std::int64_t> version = database->integer("PRAGMA user_version");
   if (!version) return fail(version.error());
-  if (*version == 0)
-    return fail(ErrorCode::unknown, path, "The file does not contain a library yet.", "Add entries with `ugoki import`.");
+  if (*version == 0) return fail(ErrorCode::unknown, path, "The file does not contain a library yet.", "Add entries with `ugoki import`.");
   if (*version < first_readable_version) {
     // The file is not changed: its copy in memory is upgraded.
     Result<Database> copy = database->copy_to_memory();

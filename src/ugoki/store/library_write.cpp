@@ -19,7 +19,8 @@ std::string trimmed(std::string_view text) {
 
 /// Checks a new name, which trimmed() returned. Entries of older libraries may have longer names, and keep them.
 Result<void> check_name(const LibraryBody& body, std::string_view id, const std::string& name) {
-  const auto length = static_cast<std::size_t>(std::ranges::count_if(name, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+  const auto length =
+      static_cast<std::size_t>(std::ranges::count_if(name, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
   if (length <= max_name_length) return {};
   return fail(ErrorCode::range, body.location(id),
               "The name '" + clean_text(name.substr(0, 40)) + "...' has " + std::to_string(length) + " characters; at most " +

@@ -45,8 +45,8 @@ Result<std::string> make_rescue_copy(const std::string& path, const std::functio
   std::error_code ignored;
   const fs::path beside = fs::path(path).parent_path();
   Result<std::string> made = fail(ErrorCode::io, path, "No rescue copy was made.");
-  for (const fs::path& folder : {beside.empty() ? fs::path(".") : beside,
-                                 fs::path(Library::folder_of(Library::default_path())), fs::temp_directory_path(ignored)}) {
+  for (const fs::path& folder :
+       {beside.empty() ? fs::path(".") : beside, fs::path(Library::folder_of(Library::default_path())), fs::temp_directory_path(ignored)}) {
     made = create_empty(folder, name, fs::path(path).extension().string());
     if (!made) continue;
     const Result<void> done = make(*made);

@@ -184,8 +184,8 @@ class SqliteConnection final : public Connection {
         return vacuum ? vacuum->bind(1, file).run() : fail(vacuum.error());
       });
       merged = merged || copy;
-      rescued = copy ? " The library as it was is in the rescue copy " + *copy + "."
-                     : " No rescue copy could be written: " + copy.error().text();
+      rescued =
+          copy ? " The library as it was is in the rescue copy " + *copy + "." : " No rescue copy could be written: " + copy.error().text();
     }
     database_->keep_log_when_closed();
     if (merged) watch_->remove_side_files();
@@ -219,8 +219,8 @@ class SqliteConnection final : public Connection {
   }
 
   std::string location_;
-  std::optional<FileWatch> watch_;                            ///< observes the file; empty: the library is open read-only
-  std::optional<Database> database_;                          ///< empty: the file was lost, and prepare() opens it again
+  std::optional<FileWatch> watch_;    ///< observes the file; empty: the library is open read-only
+  std::optional<Database> database_;  ///< empty: the file was lost, and prepare() opens it again
   std::function<Result<Database>()> reopen_;
   bool writing_ = false;                                      ///< true: the open transaction is a write transaction
   std::map<std::string, Statement, std::less<>> statements_;  ///< prepared statements, by their SQL text

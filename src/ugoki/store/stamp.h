@@ -52,7 +52,7 @@ CREATE TABLE stamp (
 struct LogStamps {
   bool has_transactions = false;
   std::vector<StampRow> rows;
-  std::uint32_t page_size = 0;        ///< page size of the database, bytes
+  std::uint32_t page_size = 0;       ///< page size of the database, bytes
   std::vector<std::uint32_t> pages;  ///< numbers of the pages with the stamp, counted from 1, each once; VACUUM moves the stamp
 };
 /// Reads the -wal file `log` as SQLite does: up to the first frame with another salt or a wrong checksum. A missing file has no

@@ -84,8 +84,8 @@ Result<std::unique_ptr<InterpreterProcess>> InterpreterProcess::start(const Inte
                 "Check that the program still exists and is executable.");
   }
   ends->first.set_send_limit(send_limit);
-  return std::unique_ptr<InterpreterProcess>(
-      new InterpreterProcess(std::move(ends->first), std::move(*ring), std::move(*guard), signal, words[0], pid, std::move(mark), std::move(events)));
+  return std::unique_ptr<InterpreterProcess>(new InterpreterProcess(std::move(ends->first), std::move(*ring), std::move(*guard), signal,
+                                                                    words[0], pid, std::move(mark), std::move(events)));
 }
 
 InterpreterProcess::InterpreterProcess(Channel control, FrameRing ring, plugin::GuardMemory guard, int signal, int words, int pid,

@@ -56,11 +56,11 @@ class InterpreterProcess {
   Channel control_;
   FrameRing ring_;
   plugin::GuardMemory guard_;  ///< memory in which the process records the LSI that is running
-  int signal_;  ///< eventfd that signals new frames
-  int words_;   ///< pipe from which the fault report of a crash is read
+  int signal_;                 ///< eventfd that signals new frames
+  int words_;                  ///< pipe from which the fault report of a crash is read
   int pid_;
   std::string mark_;  ///< entry of the environment of the process and of those that it starts: "NAME=VALUE"
-  int process_;  ///< pidfd of the process: readable when the process has ended; -1 if the system has none
+  int process_;       ///< pidfd of the process: readable when the process has ended; -1 if the system has none
   InterpreterEvents events_;
   std::atomic<bool> ending_ = false, unanswering_ = false;
   bool replaced_ = false;  ///< an LSI has replaced the process by another program; used by thread_ only

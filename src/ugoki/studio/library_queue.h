@@ -27,7 +27,8 @@ class LibraryQueue {
   /// Ends the thread after the queued work; see TaskQueue::close().
   void close() { queue_.close(); }
 
-  /// If work or a poll fails after at least this time, the library counts as not responding. The time limits in `store` are longer than this time.
+  /// If work or a poll fails after at least this time, the library counts as not responding. The time limits in `store` are longer than
+  /// this time.
   static constexpr std::chrono::milliseconds min_silence{1500};
 
  private:

@@ -32,7 +32,7 @@ class LibraryService {
   [[nodiscard]] Result<store::Library*> library();
   /// Result of poll().
   struct Poll {
-    bool responds = true;   ///< false: the library cannot be opened or read
+    bool responds = true;  ///< false: the library cannot be opened or read
     bool changed = false;  ///< true: all pages should request the list again
   };
   /// Asks whether another program or user changed the library since the last call, or whether it responds again after a failure. Does

@@ -49,7 +49,8 @@ WorldState& WorldState::operator=(const WorldState& other) {
 }
 
 std::span<double> WorldState::q(int system) {
-  return std::span(block_).subspan(world_->place(system).q, static_cast<std::size_t>(world_->systems()[static_cast<std::size_t>(system)]->nq()));
+  return std::span(block_).subspan(world_->place(system).q,
+                                   static_cast<std::size_t>(world_->systems()[static_cast<std::size_t>(system)]->nq()));
 }
 
 std::span<double> WorldState::v(int system) {

@@ -103,7 +103,7 @@ function LsiFields({ node, lsi, view }: { node: ViewNode; lsi: Lsi; view: View }
   );
 }
 
-/** Declarations of a circuit's parameters, copied from the parameters of inner LSIs that they set. */
+/** Declarations of the parameters of the circuit `type`. Each sets a parameter of an inner LSI and has its type, unit and range. */
 function circuit_parameters(view: View, type: string): ParameterDeclaration[] {
   const inner = find_circuit(view.level, type)?.circuit;
   return (inner?.parameters ?? []).flatMap((p): ParameterDeclaration[] => {
