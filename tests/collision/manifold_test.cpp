@@ -156,6 +156,24 @@ TEST(Manifold, BoxOnBoxHasFourCorners) {
   EXPECT_EQ(manifold(cube, at(0, 0, 0.99), cube, {}, 0.05).count, 4);
 }
 
+/// The common face of the boxes is an octagon. Rounding tilts a resting box by about 1e-7 rad in every step.
+TEST(Manifold, RestingBoxKeepsItsPoints) {
+  const Shape box = Shape::box({0.1, 0.1, 0.1});
+  Random random(7);
+  for (const double angle : {0.1, 0.3, 0.7}) {
+    std::set<std::uint32_t> kept;
+    for (int k = 0; k < 200; ++k) {
+      Pose A = turned({0, 0, 1}, angle, {0, 0, 0.2});
+      A.R = rotation_about(random.unit(), random.in(0, 1e-6)) * A.R;
+      std::set<std::uint32_t> features;
+      for (const ManifoldPoint& p : points(manifold(box, A, box, {}, 0.02))) features.insert(p.feature);
+      if (k == 0) kept = features;
+      EXPECT_EQ(features.size(), 4U);
+      EXPECT_EQ(features, kept) << angle << ", pose " << k;
+    }
+  }
+}
+
 TEST(Manifold, EdgeOnEdgeHasOnePoint) {
   const Shape cube = Shape::box({1, 1, 1});
   const Manifold m = manifold(cube, turned({0, 1, 0}, pi / 4, {0, 0, 2.8}), cube, turned({1, 0, 0}, pi / 4, {}), 0.05);

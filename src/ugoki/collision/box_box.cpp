@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "ugoki/collision/four_points.h"
 #include "ugoki/collision/segment_box.h"
 
 namespace ugoki::collision {
@@ -169,39 +170,17 @@ void clip(const Polygon& from, bool along_u, double side, double limit, std::uin
   }
 }
 
-/// Reduces the polygon to four corners: the deepest, the one farthest from it, and the farthest on both sides of the line between them.
+/// Reduces the polygon to the four corners of choose_four().
 void keep_four(Polygon& polygon) {
   if (polygon.count <= 4) return;
-  const auto at = [&](int i) -> const Corner& { return polygon.corners[static_cast<std::size_t>(i)]; };
-  int chosen[4] = {0, 0, -1, -1};
-  for (int i = 1; i < polygon.count; ++i)
-    if (at(i).h < at(chosen[0]).h - 1e-9) chosen[0] = i;
-  const Corner& o = at(chosen[0]);
-  double best = -1;
-  for (int i = 0; i < polygon.count; ++i) {
-    const double d = (at(i).u - o.u) * (at(i).u - o.u) + (at(i).v - o.v) * (at(i).v - o.v);
-    if (d > best + 1e-12) {
-      best = d;
-      chosen[1] = i;
-    }
-  }
-  const Corner& e = at(chosen[1]);
-  double left = 1e-12, right = -1e-12;
-  for (int i = 0; i < polygon.count; ++i) {
-    const double area = (e.u - o.u) * (at(i).v - o.v) - (e.v - o.v) * (at(i).u - o.u);
-    if (area > left + 1e-12) {
-      left = area;
-      chosen[2] = i;
-    }
-    if (area < right - 1e-12) {
-      right = area;
-      chosen[3] = i;
-    }
-  }
-  std::sort(chosen, chosen + 4);
+  std::array<FlatPoint, 8> points;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(polygon.count); ++i)
+    points[i] = {polygon.corners[i].u, polygon.corners[i].v, polygon.corners[i].h};
+  int chosen[4];
+  choose_four({points.data(), static_cast<std::size_t>(polygon.count)}, chosen);
   Polygon kept;
-  for (int k = 0; k < 4; ++k)
-    if (chosen[k] >= 0 && (k == 0 || chosen[k] != chosen[k - 1])) kept.add(at(chosen[k]));
+  for (const int i : chosen)
+    if (i >= 0) kept.add(polygon.corners[static_cast<std::size_t>(i)]);
   polygon = kept;
 }
 

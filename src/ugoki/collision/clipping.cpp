@@ -43,7 +43,7 @@ void clip(const Polygon& from, const Vec3& m, double limit, std::uint32_t label,
 constexpr double same_direction_cos = 0.95;  // cosine of 18 degrees: normals within this angle form one group
 
 /// Sets `chosen` to the indices of the four outermost points in the projection along n; -1 replaces missing points (collinear points).
-/// The tolerances (1e-9, 1e-6, relative) keep the choice stable when points differ only by rounding.
+/// The tolerances (1e-6, relative) keep the choice stable from step to step when two points are equally far out.
 void outermost(std::span<const ManifoldPoint> points, const Vec3& n, int (&chosen)[4]) {
   const Vec3 u = any_perpendicular(n), v = cross(n, u);
   const auto at = [&](int i) -> const Vec3& { return points[static_cast<std::size_t>(i)].p; };
@@ -51,7 +51,7 @@ void outermost(std::span<const ManifoldPoint> points, const Vec3& n, int (&chose
   const auto best = [&](const auto& score, double maximum) {
     int found = -1;
     for (int i = 0; i < count; ++i)
-      if (const double m = score(at(i)); m > maximum + 1e-9 * std::fabs(maximum)) {
+      if (const double m = score(at(i)); m > maximum + 1e-6 * std::fabs(maximum)) {
         maximum = m;
         found = i;
       }

@@ -1,51 +1,32 @@
 #include "ugoki/collision/convex_manifold.h"
 
 #include <algorithm>
+#include <array>
 
 #include "ugoki/collision/clipping.h"
+#include "ugoki/collision/four_points.h"
 
 namespace ugoki::collision {
 namespace {
 
 constexpr double parallel_sin2 = 0.03;  // squared sine of 10 degrees: edges at a smaller angle touch along a line, others at a point
 
-/// Adds up to four of the candidates below the margin to `out`: the deepest, the one farthest from it, and, in the projection along n, the
-/// farthest on both sides of the line between them.
+/// Adds up to four of the candidates below the margin to `out`, by choose_four() in the projection along n.
 void add_four(const Candidates& c, const Vec3& n, double margin, const Vec3& contact_normal, Manifold& out) {
-  int chosen[4] = {-1, -1, -1, -1};
-  for (int i = 0; i < c.count; ++i)
-    if (c.at(i).h < margin && (chosen[0] < 0 || c.at(i).h < c.at(chosen[0]).h - 1e-9)) chosen[0] = i;
-  if (chosen[0] < 0) return;
-  const Vec3 o = c.at(chosen[0]).p;
-  double best = 1e-18;
+  const Vec3 u = any_perpendicular(n), v = cross(n, u);
+  std::array<FlatPoint, 2 * Patch::max_corners> points;
+  std::array<int, 2 * Patch::max_corners> index;  // index of each point in c
+  std::size_t count = 0;
   for (int i = 0; i < c.count; ++i) {
-    const Vec3 gap = c.at(i).p - o, flat = gap - n * dot(gap, n);
-    if (c.at(i).h < margin && dot(flat, flat) > best + 1e-12) {
-      best = dot(flat, flat);
-      chosen[1] = i;
-    }
+    if (!(c.at(i).h < margin)) continue;
+    index[count] = i;
+    points[count++] = {dot(u, c.at(i).p), dot(v, c.at(i).p), c.at(i).h};
   }
-  if (chosen[1] >= 0) {
-    const Vec3 across = cross(n, c.at(chosen[1]).p - o);
-    const double slack = 1e-6 * best;
-    double left = slack, right = -slack;
-    for (int i = 0; i < c.count; ++i) {
-      if (!(c.at(i).h < margin)) continue;
-      const double area = dot(across, c.at(i).p - o);
-      if (area > left + slack) {
-        left = area;
-        chosen[2] = i;
-      }
-      if (area < right - slack) {
-        right = area;
-        chosen[3] = i;
-      }
-    }
-  }
-  std::sort(chosen, chosen + 4);
-  for (int k = 0; k < 4; ++k) {
-    if (chosen[k] < 0 || (k > 0 && chosen[k] == chosen[k - 1])) continue;
-    const Candidate& point = c.at(chosen[k]);
+  int chosen[4];
+  choose_four({points.data(), count}, chosen);
+  for (const int i : chosen) {
+    if (i < 0) continue;
+    const Candidate& point = c.at(index[static_cast<std::size_t>(i)]);
     out.add(point.p - n * (0.5 * point.h), contact_normal, point.h, point.feature);
   }
 }

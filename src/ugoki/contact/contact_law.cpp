@@ -68,6 +68,13 @@ void solve_contact(const RowBlock& b, const double* c, double* p) {
 
 }  // namespace
 
+double velocity_change(const RowBlock& b, const double* change) {
+  if (b.rows == 1) return std::fabs(b.B[0] * change[0]);
+  double u[3];
+  multiply(b.B, change, u);
+  return std::max({std::fabs(u[0]), std::fabs(u[1]), std::fabs(u[2])});
+}
+
 void next_impulse(const RowBlock& b, const double* u, const double* p, double normal, double* next) {
   switch (b.kind) {
     case RowKind::contact: {

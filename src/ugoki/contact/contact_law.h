@@ -21,6 +21,11 @@ namespace ugoki::contact {
 /// @param next   [rows, out] N s | N m s: the new impulse
 void next_impulse(const RowBlock& b, const double* u, const double* p, double normal, double* next);
 
+/// Returns the maximum change of the block's velocity [m/s | rad/s] that a change of its impulses causes: the largest entry of |B change|.
+/// The rows of a contact within one mechanism may depend on each other; large changes of their impulses can then cancel out.
+/// @param change [rows] N s | N m s
+double velocity_change(const RowBlock& b, const double* change);
+
 /// Projects (x, y) onto the disk of the given radius about the origin.
 void clamp_to_disk(double& x, double& y, double radius);
 

@@ -167,8 +167,8 @@ double DenseIsland::sweep(const IslandRows& island, bool forward) {
     for (int r = 0; r < b.rows; ++r) {
       change[r] = next[r] - p[r];
       p[r] = next[r];
-      maximum = std::max(maximum, std::fabs(change[r]) * b.B[r] * b.lever);
     }
+    maximum = std::max(maximum, velocity_change(b, change) * b.lever);
     if (change[0] == 0 && change[1] == 0 && change[2] == 0) continue;
     const double* const B = column(local_[i]);
     if (b.rows == 3)

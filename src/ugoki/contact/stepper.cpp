@@ -227,11 +227,14 @@ StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collis
   for (std::size_t i = 0; i < contacts.size(); ++i) forces_[i] = contacts[i].n * (impact_impulses_[i] / dt);
   for (const RowBlock& b : solver_.blocks()) {
     const std::span<const double> p = solver_.impulses(b);
-    Warm w{b.key, {p[0], b.rows == 3 ? p[1] : 0, b.rows == 3 ? p[2] : 0}};
-    warm_.add(w);
-    if (b.kind != RowKind::contact) continue;
+    if (b.kind != RowKind::contact) {
+      warm_.add({b.key, {p[0], b.rows == 3 ? p[1] : 0, b.rows == 3 ? p[2] : 0}});
+      continue;
+    }
     const Vec3* frame = frames_.data() + 3 * b.contact;
-    forces_[static_cast<std::size_t>(b.contact)] += (frame[0] * p[0] + frame[1] * p[1] + frame[2] * p[2]) / dt;
+    const Vec3 impulse = frame[0] * p[0] + frame[1] * p[1] + frame[2] * p[2];
+    warm_.add({b.key, {impulse.x, impulse.y, impulse.z}});
+    forces_[static_cast<std::size_t>(b.contact)] += impulse / dt;
   }
   warm_.make_index();
   for_each_system([&](std::size_t s) {

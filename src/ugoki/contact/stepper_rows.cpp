@@ -106,8 +106,10 @@ void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt
   const double wanted =
       gap > 0 || forced ? -gap / dt : std::min(-gap / options_.recovery_time, (deep ? deep_recovery : 1) * options_.recovery_speed);
   const double target[3] = {free_n - wanted, dot(t1, free), dot(t2, free)};
-  const Warm* warm = warm_.find(c.key);
-  solver_.end_block(target, warm ? std::span<const double>(warm->p) : std::span<const double>());
+  double first[3] = {0, 0, 0};  // the last impulse, in the frame of this step: n may turn slightly, and t1 with it by a right angle
+  if (const Warm* warm = warm_.find(c.key))
+    for (int d = 0; d < 3; ++d) first[d] = dot(frame[d], Vec3{warm->p[0], warm->p[1], warm->p[2]});
+  solver_.end_block(target, first);
   add_rolling(c);
 }
 

@@ -5,18 +5,22 @@
 // If only a subset of an island's systems is solved, the contribution of the blocks outside the subset is subtracted from w in F; their
 // impulses are constant.
 // H = dF/dw = 1 + sum Y^T G Y with G = -dp/du. The coupling of a sliding contact's friction to its normal impulse is left out, so that H is
-// symmetric and positive definite.
+// symmetric and positive definite. F is then the gradient of a convex function of w, the merit, and a line search along the Newton step
+// looks for the zero of its slope.
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "ugoki/contact/velocity_solver.h"
 
 namespace ugoki::contact {
 namespace {
 // First and minimum value of R, relative to a block's inverse inertia. Each update of p^ divides R by ten.
-constexpr double first_regularization = 1e-2, min_regularization = 1e-6;
+constexpr double first_regularization = 1e-3, min_regularization = 1e-6;
 constexpr int max_updates = 8;
+constexpr double slope_ratio = 0.1;  // the line search ends when the slope of the merit has fallen to this fraction
+constexpr int max_trials = 8;        // of the line search
 }  // namespace
 
 /// Row of the Newton matrix for entry e of a segment. The DOFs deepest in a system's tree have the lowest rows, so that branches do not
@@ -112,17 +116,63 @@ bool VelocitySolver::order_systems(const Island& island, int steps) {
     operations += static_cast<double>(width) * static_cast<double>(width);
   }
   cost_ = operations + 300.0 * island.blocks;
+  for (int i = 0; i < island.blocks; ++i) {  // H from the blocks' rows
+    double length = 0;
+    for (int k = 0; k < block(i).segments; ++k) length += segment(block(i), k).length;
+    cost_ += 0.5 * block(i).rows * length * length;
+  }
   if (steps * cost_ > budget_) return false;
   H_.resize(size);
   F_.resize(static_cast<std::size_t>(n));
   step_.resize(F_.size());
   G_.resize(9 * static_cast<std::size_t>(island.blocks));
-  old_w_.resize(F_.size());
+  x_.resize(F_.size());
+  u_.resize(3 * static_cast<std::size_t>(island.blocks));
+  du_.resize(u_.size());
+  sort_rows(island);
   return true;
 }
 
-/// Calculates the impulse p of the block's law at velocity u, and G = -dp/du [9, row by row]. @return the block's term of the merit
-double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p, double* G) const {
+/// Copies the rows of each block to z_, ordered by matrix row, so that the loops over H run along consecutive entries. The entries of both
+/// segments of a block on one system are added.
+void VelocitySolver::sort_rows(const Island& island) {
+  sorted_.clear();
+  z_.clear();
+  z_row_.clear();
+  for (int i = 0; i < island.blocks; ++i) {
+    const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
+    const RowSegment& x = segments_[static_cast<std::size_t>(b.first_segment)];
+    const RowSegment& y = segments_[static_cast<std::size_t>(b.first_segment + b.segments - 1)];
+    const std::size_t first = z_row_.size(), values = z_.size();
+    constexpr int none = std::numeric_limits<int>::max();
+    // A chain's deepest DOF is its last entry and has its lowest matrix row.
+    int e = x.length - 1, f = b.segments == 2 ? y.length - 1 : -1;
+    while (e >= 0 || f >= 0) {
+      const int at = e >= 0 ? matrix_row(x, e) : none, other = f >= 0 ? matrix_row(y, f) : none;
+      RowLanes sum = {};
+      if (at <= other) sum += row_lanes(rows_.data() + x.offset, e--);
+      if (other <= at) sum += row_lanes(rows_.data() + y.offset, f--);
+      z_row_.push_back(std::min(at, other));
+      for (int r = 0; r < b.rows; ++r) z_.push_back(sum[r]);
+    }
+    const std::size_t length = z_row_.size() - first;
+    if (b.rows == 3) {  // from entry by entry to row by row
+      swap_.assign(z_.begin() + static_cast<std::ptrdiff_t>(values), z_.end());
+      for (std::size_t k = 0; k < length; ++k)
+        for (std::size_t r = 0; r < 3; ++r) z_[values + r * length + k] = swap_[3 * k + r];
+    }
+    sorted_.push_back({static_cast<int>(first), static_cast<int>(length), static_cast<int>(values)});
+  }
+  z_run_.resize(z_row_.size());
+  for (const SortedRows& s : sorted_)
+    for (int k = s.length - 1; k >= 0; --k) {
+      const auto at = static_cast<std::size_t>(s.first + k);
+      z_run_[at] = k + 1 < s.length && z_row_[at + 1] == z_row_[at] + 1 ? z_run_[at + 1] : k + 1;
+    }
+}
+
+/// Calculates the impulse p of the block's law at velocity u, and G = -dp/du [9, row by row].
+void VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p, double* G) const {
   const double* hat = hat_.data() + b.row;
   // The law |p| <= radius, isotropic, for `count` rows from `first` on.
   const auto ball = [&](int first, int count, double R, double radius) {
@@ -139,7 +189,6 @@ double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p,
       for (int c = 0; c < count; ++c)  // a faster slip does not change the impulse along it
         G[3 * (first + r) + first + c] = scale / R * ((r == c ? 1.0 : 0.0) - (slides ? x[r] * x[c] / square : 0));
     }
-    return R * (slides ? radius * (size - 0.5 * radius) : 0.5 * square);
   };
   switch (b.kind) {
     case RowKind::contact: {
@@ -151,7 +200,7 @@ double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p,
       if (b.impact_impulse > 0) {
         p[0] = std::max(0.0, xn / Rn);
         G[0] = p[0] > 0 ? 1 / Rn : 0;
-        return 0.5 * Rn * p[0] * p[0] + ball(1, 2, Rt, b.mu * (hat[0] + b.impact_impulse));
+        return ball(1, 2, Rt, b.mu * (hat[0] + b.impact_impulse));
       }
       // Projection onto the cone |y_t| <= m y_n, where y = sqrt(R) p and m is mu in these coordinates.
       const double root_n = std::sqrt(Rn), root_t = std::sqrt(Rt), m = b.mu * root_t / root_n;
@@ -163,11 +212,11 @@ double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p,
         p[2] = y2 / root_t;
         G[0] = 1 / Rn;
         G[4] = G[8] = 1 / Rt;
-        return 0.5 * (yn * yn + yt * yt);
+        return;
       }
       if (m * yt <= -yn) {
         p[0] = p[1] = p[2] = 0;
-        return 0;
+        return;
       }
       const double share = 1 / (1 + m * m), qn = (yn + m * yt) * share, d1 = y1 / yt, d2 = y2 / yt;
       p[0] = qn / root_n;
@@ -180,13 +229,13 @@ double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p,
       G[4] = (along * d1 * d1 + across * d2 * d2) / Rt;
       G[8] = (along * d2 * d2 + across * d1 * d1) / Rt;
       G[5] = G[7] = (along - across) * d1 * d2 / Rt;
-      return 0.5 * (1 + m * m) * qn * qn;
+      return;
     }
     case RowKind::limit: {
       const double R = regularization_ * b.B[0];
       p[0] = std::max(0.0, hat[0] - u[0] / R);
       G[0] = p[0] > 0 ? 1 / R : 0;
-      return 0.5 * R * p[0] * p[0];
+      return;
     }
     case RowKind::friction: return ball(0, 1, regularization_ * b.B[0], b.bound);
     case RowKind::roll: {
@@ -195,7 +244,6 @@ double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p,
       return ball(0, 3, regularization_ * std::max({b.B[0], b.B[1], b.B[2]}), b.mu * (normal + contact_block.impact_impulse));
     }
   }
-  return 0;
 }
 
 /// Sets the quantities that stay fixed during minimise(): p^, and for sliding contacts the shift mu |u_t| of the normal velocity (de
@@ -211,74 +259,73 @@ void VelocitySolver::fix_law(const Island& island) {
     saxce = 0;
     const double cone = 0.999 * b.mu * p[0];
     if (b.impact_impulse > 0 || p[1] * p[1] + p[2] * p[2] < cone * cone) continue;
-    double u[3];
-    velocities(b, u);
+    const double* u = u_.data() + 3 * static_cast<std::size_t>(i);
     saxce = b.mu * std::sqrt(u[1] * u[1] + u[2] * u[2]);
   }
 }
 
 /// Adds Y^T G Y of one block to the lower triangle of H (symbols: top of this file).
-void VelocitySolver::add_to_matrix(const RowBlock& b, const double* G) {
-  const int n = b.rows;
-  for (int sa = 0; sa < b.segments; ++sa) {
-    const RowSegment& x = segments_[static_cast<std::size_t>(b.first_segment + sa)];
-    for (int sb = 0; sb < b.segments; ++sb) {
-      const RowSegment& y = segments_[static_cast<std::size_t>(b.first_segment + sb)];
-      if (local_[static_cast<std::size_t>(y.system)] > local_[static_cast<std::size_t>(x.system)]) continue;
-      const double* const X = rows_.data() + x.offset;
-      const double* const Y = rows_.data() + y.offset;
-      for (int e = 0; e < x.length; ++e) {
-        const int row = matrix_row(x, e);
-        // H is symmetric: matrix_row() of the other DOF is its column. Only columns up to `row` are stored.
-        double* const H = H_.data() + start_[static_cast<std::size_t>(row)] - lowest_[static_cast<std::size_t>(row)];
-        RowLanes g = {};
-        for (int r = 0; r < n; ++r)
-          for (int c = 0; c < n; ++c) g[c] += X[4 * e + r] * G[3 * r + c];
-        for (int f = 0; f < y.length; ++f) {
-          const int column = matrix_row(y, f);
-          if (column > row) continue;
-          const RowLanes product = g * row_lanes(Y, f);
-          H[column] += product[0] + product[1] + product[2];
-        }
-      }
+void VelocitySolver::add_to_matrix(const SortedRows& s, int rows, const double* G) {
+  const int* const row = z_row_.data() + s.first;
+  const int* const run = z_run_.data() + s.first;
+  const double *const Z0 = z_.data() + s.values, *const Z1 = Z0 + s.length, *const Z2 = Z1 + s.length;
+  for (int e = 0; e < s.length; ++e) {
+    double* const H = H_.data() + start_[static_cast<std::size_t>(row[e])] - lowest_[static_cast<std::size_t>(row[e])];
+    const double z0 = Z0[e], z1 = rows == 3 ? Z1[e] : 0, z2 = rows == 3 ? Z2[e] : 0;
+    const double g0 = z0 * G[0] + z1 * G[3] + z2 * G[6], g1 = z0 * G[1] + z1 * G[4] + z2 * G[7], g2 = z0 * G[2] + z1 * G[5] + z2 * G[8];
+    for (int f = 0; f <= e;) {
+      const int end = std::min(run[f], e + 1);
+      double* const to = H + row[f] - f;
+      if (rows == 3)
+        for (; f < end; ++f) to[f] += g0 * Z0[f] + g1 * Z1[f] + g2 * Z2[f];
+      else
+        for (; f < end; ++f) to[f] += g0 * Z0[f];
     }
   }
 }
 
-double VelocitySolver::assemble(const Island& island) {
-  for (int k = 0; k < island.systems; ++k) {
-    const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
-    for (int e = first_[s]; e < first_[s + 1]; ++e)
-      F_[static_cast<std::size_t>(local_[s] + first_[s + 1] - 1 - e)] =
-          w_[static_cast<std::size_t>(e)] - base_[static_cast<std::size_t>(e)];
-  }
-  double merit = 0;
-  for (const double w : F_) merit += 0.5 * w * w;
+/// Calculates the law's impulses p and the matrices G of all blocks at the velocities u_ - length du_. @return the slope and curvature of
+/// the merit along the step, without the part of |w|^2 / 2
+std::pair<double, double> VelocitySolver::apply_laws(const Island& island, double length) {
+  double slope = 0, curvature = 0;
   double* G = G_.data();
-  for (int i = 0; i < island.blocks; ++i, G += 9) {
+  const double *u = u_.data(), *du = du_.data();
+  for (int i = 0; i < island.blocks; ++i, G += 9, u += 3, du += 3) {
     const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
-    double u[3];
-    velocities(b, u);
     double* p = p_.data() + b.row;
-    merit += impulse_of(b, u, p, G);
-    for (int s = 0; s < b.segments; ++s) {
-      const RowSegment& x = segments_[static_cast<std::size_t>(b.first_segment + s)];
-      for (int r = 0; r < b.rows; ++r)
-        for (int e = 0; e < x.length; ++e)
-          F_[static_cast<std::size_t>(matrix_row(x, e))] -= rows_[static_cast<std::size_t>(x.offset + 4 * e + r)] * p[r];
+    const double next[3] = {u[0] - length * du[0], u[1] - length * du[1], u[2] - length * du[2]};
+    impulse_of(b, next, p, G);
+    for (int r = 0; r < b.rows; ++r) {
+      slope += p[r] * du[r];
+      for (int c = 0; c < b.rows; ++c) curvature += du[r] * G[3 * r + c] * du[c];
     }
   }
-  return merit;
+  return {slope, curvature};
 }
 
-/// Calculates the Newton matrix H = 1 + sum Y^T G Y, with G from assemble().
+/// Calculates F from x_ (w without the contribution of other blocks) and the impulses p.
+void VelocitySolver::calc_residual(const Island& island) {
+  F_ = x_;
+  for (int i = 0; i < island.blocks; ++i) {
+    const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
+    const SortedRows& s = sorted_[static_cast<std::size_t>(i)];
+    const double* Z = z_.data() + s.values;
+    for (int r = 0; r < b.rows; ++r, Z += s.length) {
+      const double p = p_[static_cast<std::size_t>(b.row + r)];
+      if (p == 0) continue;
+      for (int e = 0; e < s.length; ++e) F_[static_cast<std::size_t>(z_row_[static_cast<std::size_t>(s.first + e)])] -= Z[e] * p;
+    }
+  }
+}
+
+/// Calculates the Newton matrix H = 1 + sum Y^T G Y, with G from apply_laws().
 void VelocitySolver::assemble_matrix(const Island& island) {
   std::ranges::fill(H_, 0.0);
   for (std::size_t i = 0; i < F_.size(); ++i) H_[start_[i] + i - static_cast<std::size_t>(lowest_[i])] = 1;
   const double* G = G_.data();
   for (int i = 0; i < island.blocks; ++i, G += 9) {
-    const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
-    if (G[0] + (b.rows == 3 ? G[4] + G[8] : 0) > 0) add_to_matrix(b, G);
+    const int rows = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])].rows;
+    if (G[0] + (rows == 3 ? G[4] + G[8] : 0) > 0) add_to_matrix(sorted_[static_cast<std::size_t>(i)], rows, G);
   }
 }
 
@@ -338,34 +385,47 @@ void VelocitySolver::solve_newton() {
   }
 }
 
-/// Minimises the merit, starting from w, with p^ and the de Saxce shifts fixed; sets p to the law's impulses. @return number of Newton
-/// steps
+/// Minimises the merit, starting from x_ and u_, with p^ and the de Saxce shifts fixed; sets p to the law's impulses.
+/// @return number of Newton steps
 int VelocitySolver::minimise(const Island& island) {
   const int limit = static_cast<int>(std::min(12.0, budget_ / cost_));
-  const auto each_w = [&](auto&& visit) {
-    for (int k = 0; k < island.systems; ++k) {
-      const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
-      for (int e = first_[s]; e < first_[s + 1]; ++e)
-        visit(w_[static_cast<std::size_t>(e)], static_cast<std::size_t>(local_[s] + first_[s + 1] - 1 - e));
-    }
-  };
-  double merit = assemble(island);
+  std::ranges::fill(du_, 0.0);
+  apply_laws(island, 0);
   for (int steps = 1; steps <= limit; ++steps) {
     budget_ -= cost_;
+    calc_residual(island);
     assemble_matrix(island);
     solve_newton();
-    double slope = 0;  // negative slope of the merit along the step
-    for (std::size_t i = 0; i < F_.size(); ++i) slope += F_[i] * step_[i];
-    if (!(slope > 1e-26)) return steps;
-    each_w([&](double& w, std::size_t at) { old_w_[at] = w; });
-    double length = 1, next = 0;
-    for (int half = 0; half < 8; ++half, length *= 0.5) {
-      each_w([&](double& w, std::size_t at) { w = old_w_[at] - length * step_[at]; });
-      next = assemble(island);
-      if (next <= merit - 1e-4 * length * slope + 1e-14 * merit) break;
+    double slope = 0, square = 0, along = 0;  // slope: minus the slope of the merit along the step
+    for (std::size_t i = 0; i < F_.size(); ++i) {
+      slope += F_[i] * step_[i];
+      square += step_[i] * step_[i];
+      along += x_[i] * step_[i];
     }
-    merit = next;
-    if (slope < 1e-20 + 1e-24 * merit) return steps;
+    if (!(slope > 1e-26)) return steps;
+    for (int i = 0; i < island.blocks; ++i) {
+      const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
+      const SortedRows& s = sorted_[static_cast<std::size_t>(i)];
+      const double* Z = z_.data() + s.values;
+      for (int r = 0; r < b.rows; ++r, Z += s.length) {
+        double sum = 0;
+        for (int e = 0; e < s.length; ++e) sum += Z[e] * step_[static_cast<std::size_t>(z_row_[static_cast<std::size_t>(s.first + e)])];
+        du_[static_cast<std::size_t>(3 * i + r)] = sum;
+      }
+    }
+    // Along w - length step the slope of the merit grows from -slope and has one zero: Newton's method, kept between `low` and `high`.
+    double length = 1, low = 0, high = HUGE_VAL;
+    for (int trial = 1;; ++trial) {
+      const auto [laws, curvature] = apply_laws(island, length);
+      const double now = length * square - along + laws;
+      if (std::fabs(now) <= slope_ratio * slope || trial == max_trials) break;
+      (now > 0 ? high : low) = length;
+      const double next = length - now / (square + curvature);
+      length = next > low && next < high ? next : high < HUGE_VAL ? 0.5 * (low + high) : 2 * length;
+    }
+    for (std::size_t i = 0; i < x_.size(); ++i) x_[i] -= length * step_[i];
+    for (std::size_t i = 0; i < u_.size(); ++i) u_[i] -= length * du_[i];
+    if (slope < 1e-20) return steps;
   }
   return limit;
 }
@@ -390,6 +450,15 @@ int VelocitySolver::newton(const Island& island, bool subset, double change, dou
     }
   }
   old_p_ = p_;
+  for (int k = 0; k < island.systems; ++k) {
+    const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
+    for (int e = first_[s]; e < first_[s + 1]; ++e)
+      x_[static_cast<std::size_t>(local_[s] + first_[s + 1] - 1 - e)] =
+          w_[static_cast<std::size_t>(e)] - base_[static_cast<std::size_t>(e)];
+  }
+  for (int i = 0; i < island.blocks; ++i)
+    velocities(blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])],
+               u_.data() + 3 * static_cast<std::size_t>(i));
   int steps = 0;
   regularization_ = first_regularization;
   for (int outer = 0; outer < max_updates && budget_ > cost_;
@@ -404,7 +473,7 @@ int VelocitySolver::newton(const Island& island, bool subset, double change, dou
         moved = std::max(moved, regularization_ * b.B[r] * std::fabs(p_[at] - hat_[at]));
       }
     }
-    if (moved < 0.01 * tolerance) break;
+    if (moved < 0.1 * tolerance) break;
   }
   recompute_w(island);
   if (sweep(island, true, 0) < change) return steps;

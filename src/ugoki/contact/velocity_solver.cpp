@@ -46,7 +46,7 @@ void VelocitySolver::set_systems(std::span<const int> first) {
   islands_.reserve(systems);
   neighbours_.reserve(2 * blocks);
   for (std::vector<double>* v : {&target_, &p_, &old_p_, &hat_, &saxce_}) v->reserve(3 * blocks);
-  for (std::vector<double>* v : {&F_, &step_, &old_w_}) v->reserve(n);
+  for (std::vector<double>* v : {&F_, &step_, &x_}) v->reserve(n);
   lowest_.reserve(n);
   start_.reserve(n);
   H_.reserve(std::min<std::size_t>(n * n, 1 << 15));
@@ -166,13 +166,13 @@ double VelocitySolver::relax(RowBlock& b) {
     normal = p_[static_cast<std::size_t>(contact.row)] + contact.impact_impulse;
   }
   next_impulse(b, u, p, normal, next);
-  double maximum = 0, square = 0;
+  double square = 0;
   for (int r = 0; r < b.rows; ++r) {
     change[r] = next[r] - p[r];
     p[r] = next[r];
     square += change[r] * change[r];
-    maximum = std::max(maximum, std::fabs(change[r]) * b.B[r]);
   }
+  const double maximum = velocity_change(b, change);
   if (square > 0) {
     apply(b, change);
     const double moved = b.size * std::sqrt(square);
@@ -277,9 +277,10 @@ bool VelocitySolver::solve_densely(const Island& island, const SolverOptions& op
 
 /// @return true if the last sweep changed every velocity by less than the tolerance, or by less than DenseIsland::accepted_residual
 bool VelocitySolver::solve_island(const Island& island, const SolverOptions& options, SolverReport& report) {
-  constexpr int round = 12;      // sweeps between two checks of the convergence rate
-  constexpr int max_rounds = 6;  // rounds up to which sweeping is cheaper than Newton's method
-  constexpr int crowd = 256;     // number of blocks of an island above which the coarse tolerance and half the sweeps are used
+  constexpr int round = 12;       // sweeps between two checks of the convergence rate
+  constexpr int first_check = 2;  // sweeps before the first check
+  constexpr int patience = 8;     // sweeps that cost about as much as Newton's method, which usually takes two to five steps
+  constexpr int crowd = 256;      // number of blocks of an island above which the coarse tolerance and half the sweeps are used
   budget_ = island_budget_;
   const bool crowded = island.blocks > crowd;
   const int maximum = crowded ? options.iterations / 2 : options.iterations;
@@ -291,13 +292,16 @@ bool VelocitySolver::solve_island(const Island& island, const SolverOptions& opt
     change = sweep(island, (sweeps & 1) != 0, crowded ? 0.01 * tolerance : 0);
     report.sweeps = std::max(report.sweeps, sweeps);
     if (change < tolerance || sweeps >= maximum) break;
-    if (sweeps % round != 0) continue;
-    // Predict from the present rate whether max_rounds more rounds suffice.
+    if (sweeps != first_check && sweeps % round != 0) {
+      if (sweeps == 1) before = change;
+      continue;
+    }
+    // Predict from the present rate whether a few more sweeps suffice: `patience` sweeps at the first check, then one round.
     const double rate = change / before;
     double then = change;
+    for (int k = sweeps == first_check ? patience : 1; k > 0 && then >= tolerance; --k) then *= rate;
     before = change;
-    for (int k = 0; k < max_rounds && then >= tolerance; ++k) then *= rate;
-    if (sweeps == round || then < tolerance) continue;
+    if (then < tolerance || (crowded && sweeps <= round)) continue;
     newton_helps = newton_helps && order_systems(island, crowded ? 16 : 1);
     if (newton_helps) {
       report.newton_steps += newton(island, false, change, tolerance);

@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "ugoki/base/executor.h"
@@ -108,6 +109,11 @@ class VelocitySolver {
     int first_system, systems;  // its systems: a range of members_
   };
 
+  struct SortedRows {
+    int first, length;  // the block's entries: a range of z_row_ and z_run_
+    int values;         // index in z_ of its rows [rows][length]
+  };
+
   void velocities(const RowBlock& b, double* u) const;
   void apply(const RowBlock& b, const double* p);
   double relax(RowBlock& b);
@@ -131,10 +137,12 @@ class VelocitySolver {
   void fix_law(const Island& island);
   int minimise(const Island& island);
   void solve_newton();
-  double assemble(const Island& island);
+  void sort_rows(const Island& island);
+  std::pair<double, double> apply_laws(const Island& island, double length);
+  void calc_residual(const Island& island);
   void assemble_matrix(const Island& island);
-  void add_to_matrix(const RowBlock& b, const double* G);
-  double impulse_of(const RowBlock& b, const double* u, double* p, double* G) const;
+  void add_to_matrix(const SortedRows& s, int rows, const double* G);
+  void impulse_of(const RowBlock& b, const double* u, double* p, double* G) const;
   void recompute_w(const Island& island);
 
   // Threads, in velocity_threads.cpp
@@ -164,17 +172,22 @@ class VelocitySolver {
   std::vector<char> failed_;  // [systems] 1: the system is the first of an island that is not solved to the tolerance
 
   // Newton's method (symbols: velocity_newton.cpp)
-  double regularization_ = 0;       // R relative to a block's inverse inertia
-  double budget_ = 0, cost_ = 0;    // floating-point operations: left for the present island; needed by one Newton step
-  double island_budget_ = 0;        // floating-point operations that Newton's method may use for each island in one call
-  double newton_left_ = HUGE_VAL;   // floating-point operations left for all islands until the next limit_newton()
-  std::vector<int> local_;          // [systems] first row of the system in H_
-  std::vector<int> lowest_;         // [n] first column of each row in the envelope of H_
-  std::vector<std::size_t> start_;  // [n] index in H_ of the first stored entry of each row (column lowest_)
-  std::vector<double> H_;           // Newton matrix H: envelope, row by row
-  std::vector<double> G_;           // [blocks of the island * 9] -dp/du, row by row
-  std::vector<double> F_, step_, old_w_, old_p_, hat_, saxce_;  // hat_: p^ of the augmented Lagrangian; saxce_: see fix_law()
-  std::vector<double> base_;                                    // [DOFs] contribution to w_ of blocks outside the solved subset
+  double regularization_ = 0;                // R relative to a block's inverse inertia
+  double budget_ = 0, cost_ = 0;             // floating-point operations: left for the present island; needed by one Newton step
+  double island_budget_ = 0;                 // floating-point operations that Newton's method may use for each island in one call
+  double newton_left_ = HUGE_VAL;            // floating-point operations left for all islands until the next limit_newton()
+  std::vector<int> local_;                   // [systems] first row of the system in H_
+  std::vector<int> lowest_;                  // [n] first column of each row in the envelope of H_
+  std::vector<std::size_t> start_;           // [n] index in H_ of the first stored entry of each row (column lowest_)
+  std::vector<double> H_;                    // Newton matrix H: envelope, row by row
+  std::vector<double> G_;                    // [blocks of the island * 9] -dp/du, row by row
+  std::vector<double> F_, step_, x_;         // [n] x_: w without base_
+  std::vector<double> old_p_, hat_, saxce_;  // hat_: p^ of the augmented Lagrangian; saxce_: see fix_law()
+  std::vector<double> u_, du_;               // [blocks of the island * 3] velocity, and its change along step_
+  std::vector<SortedRows> sorted_;           // [blocks of the island] see sort_rows()
+  std::vector<double> z_, swap_;             // z_: the blocks' rows; swap_: scratch
+  std::vector<int> z_row_, z_run_;  // matrix row of each entry; end, in its block, of the run of consecutive matrix rows that contains it
+  std::vector<double> base_;        // [DOFs] contribution to w_ of blocks outside the solved subset
   std::vector<double> scratch_w_;
   std::vector<char> in_subset_;  // [systems] 1: newton_on_subset() solves the system
   std::vector<int> neighbour_first_, neighbours_, queue_;

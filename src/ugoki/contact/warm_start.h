@@ -11,7 +11,7 @@ namespace ugoki::contact {
 /// Impulses of one row block.
 struct Warm {
   std::uint64_t key = 0;
-  double p[3] = {0, 0, 0};  ///< N s | N m s: impulses of the block's one or three rows
+  double p[3] = {0, 0, 0};  ///< N s | N m s: of a contact in world axes, of other blocks the impulses of the one or three rows
 };
 
 /// Hash table of the last step's impulses.

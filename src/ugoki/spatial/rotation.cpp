@@ -84,8 +84,10 @@ Vec3 to_euler(const Mat3& R, const char* order) {
 }
 
 Vec3 any_perpendicular(const Vec3& n) {
-  const double ax = std::fabs(n.x), ay = std::fabs(n.y), az = std::fabs(n.z);
-  const Vec3 e = ax <= ay && ax <= az ? Vec3{1, 0, 0} : ay <= az ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+  // At least one component of a unit vector is below 1/sqrt(3) = 0.577. The first one below 0.6 is taken, not the smallest one, so that
+  // rounding does not turn the result by a right angle when n is close to an axis or a diagonal.
+  constexpr double small = 0.6;
+  const Vec3 e = std::fabs(n.x) <= small ? Vec3{1, 0, 0} : std::fabs(n.y) <= small ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
   return normalized(cross(n, e));
 }
 
