@@ -221,7 +221,8 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   // Without a graphics processor, Mesa's renderer (llvmpipe) draws with half the processor time of SwiftShader, the renderer of Chromium.
   // If Mesa is not installed, Chromium falls back to SwiftShader.
   if (!fs::exists("/dev/dri", ec))
-    words.insert(words.end(), {"--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader", "--disable-gpu-rasterization"});
+    words.insert(words.end(), {"--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader",
+                               "--disable-gpu-rasterization"});
   if (::geteuid() == 0) words.emplace_back("--no-sandbox");  // Chromium refuses to run as root with its sandbox
   words.push_back("file://" + (*launch)->path());
   const Result<std::unique_ptr<Child>> drawing = Child::start(words, false, browser_log.string());

@@ -1,13 +1,14 @@
 /** The floor: a metre grid that fades into the background with the distance from the camera's target. */
 import * as THREE from 'three';
 
-const cells = 64; // cells of the shadow map in each direction, in which shadows are looked for
-
 // The floor is flat and its lights are directional, so that its lighting without shadow is the same everywhere.
 const vertex_shader = `
 #include <common>
 #include <lights_pars_begin>
 #include <shadowmap_pars_vertex>
+#if defined(PATCH) && defined(USE_SHADOWMAP) && NUM_DIR_LIGHT_SHADOWS > 0
+  #define SHADOW
+#endif
 uniform vec3 u_floor;
 varying vec2 v_world;
 flat varying vec3 v_shaded, v_key; // colours by all lights except the first, and by the first light, which casts the shadow
@@ -19,7 +20,7 @@ void main() {
   vec3 reflected = BRDF_Lambert(u_floor);
   v_shaded = (getHemisphereLightIrradiance(hemisphereLights[0], normal) + light(1, normal)) * reflected;
   v_key = light(0, normal) * reflected;
-  #if defined(USE_SHADOWMAP) && NUM_DIR_LIGHT_SHADOWS > 0
+  #ifdef SHADOW
     vDirectionalShadowCoord[0] = directionalShadowMatrix[0] * (world + vec4(0.0, 0.0, directionalLightShadows[0].shadowNormalBias, 0.0));
   #endif
   gl_Position = projectionMatrix * viewMatrix * world;
@@ -33,7 +34,6 @@ varying vec2 v_world;
 flat varying vec3 v_shaded, v_key;
 uniform vec3 u_background, u_line;
 uniform vec2 u_focus;
-uniform sampler2D u_casters;
 uniform float u_reach, u_strength;
 
 // Part of a pixel that lines with a distance of 1 / 'per_m' cover.
@@ -45,7 +45,8 @@ float grid_line(vec2 p, vec2 p_width, float per_m, float pixels) {
   l *= 1.0 - smoothstep(0.12, 0.35, w);
   return max(l.x, l.y);
 }
-#if defined(USE_SHADOWMAP) && NUM_DIR_LIGHT_SHADOWS > 0
+#if defined(PATCH) && defined(USE_SHADOWMAP) && NUM_DIR_LIGHT_SHADOWS > 0
+#define SHADOW
 // As getShadow() of three.js, which the characters use, but with two trigonometric functions instead of ten.
 float soft_shadow(vec3 at) {
   DirectionalLightShadow light = directionalLightShadows[0];
@@ -63,13 +64,9 @@ void main() {
   vec2 w = fwidth(p);
   float away = length(p - u_focus);
   float shadow = 1.0;
-  #if defined(USE_SHADOWMAP) && NUM_DIR_LIGHT_SHADOWS > 0
+  #ifdef SHADOW
     vec3 s = vDirectionalShadowCoord[0].xyz;
-    ivec2 cell = ivec2(floor(s.xy * float(CELLS)));
-    bool inside = min(cell.x, cell.y) >= 0 && max(cell.x, cell.y) < CELLS;
-    // A loop, because software renderers execute both sides of a branch for all pixels, but can leave a loop.
-    int count = inside && texelFetch(u_casters, cell, 0).r > 0.0 ? 1 : 0;
-    for (int i = 0; i < count; i++) shadow = soft_shadow(s);
+    if (all(greaterThanEqual(s.xy, vec2(0.0))) && all(lessThanEqual(s, vec3(1.0)))) shadow = soft_shadow(s);
   #endif
   vec3 color = v_shaded + v_key * shadow;
   float near_fade = 1.0 - smoothstep(0.15 * u_reach, 0.6 * u_reach, away);
@@ -82,57 +79,95 @@ void main() {
   #include <colorspace_fragment>
 }`;
 
-const sphere = new THREE.Sphere();
+const max_patches = 256; // if more bodies cast shadows, one patch covers all of them
 
-/** Marks the cells that the bounding sphere of a mesh covers in the shadow map of a directional light. */
-function mark(marks: Uint8Array, mesh: THREE.Mesh, shadow: THREE.DirectionalLightShadow): void {
-  const { elements } = shadow.matrix;
-  if (!mesh.geometry.boundingSphere) mesh.geometry.computeBoundingSphere();
-  sphere.copy(mesh.geometry.boundingSphere!).applyMatrix4(mesh.matrixWorld);
-  // The edge of a shadow is softened over `radius` texels, and each texel is interpolated with its neighbours.
-  const r = sphere.radius * Math.hypot(elements[0]!, elements[4]!, elements[8]!) + (shadow.radius + 2) / shadow.mapSize.x;
-  const { x, y } = sphere.center.applyMatrix4(shadow.matrix);
-  const [left, right, bottom, top] = [x - r, x + r, y - r, y + r].map((v) => Math.floor(v * cells));
-  for (let j = Math.max(0, bottom!); j <= Math.min(cells - 1, top!); j++)
-    for (let i = Math.max(0, left!); i <= Math.min(cells - 1, right!); i++) marks[j * cells + i] = 255;
+/** A rectangle of the floor, m. */
+interface Rectangle {
+  left: number;
+  right: number;
+  front: number;
+  back: number;
 }
 
+/**
+ * The part of the floor (z = 0) on which the bodies of `meshes` can cast shadows.
+ * @param to_light unit vector  @param soft distance by which the edge of a shadow is softened, m
+ */
+export function shadow_rectangle(meshes: readonly THREE.Mesh[], to_light: THREE.Vector3, soft: number): Rectangle {
+  const out = { left: Infinity, right: -Infinity, front: Infinity, back: -Infinity };
+  const [slope_x, slope_y] = [to_light.x / to_light.z, to_light.y / to_light.z];
+  const sphere = new THREE.Sphere();
+  for (const mesh of meshes) {
+    if (!mesh.geometry.boundingSphere) mesh.geometry.computeBoundingSphere();
+    sphere.copy(mesh.geometry.boundingSphere!).applyMatrix4(mesh.matrixWorld);
+    // the shadow of a sphere is an ellipse
+    const x = sphere.center.x - slope_x * sphere.center.z;
+    const y = sphere.center.y - slope_y * sphere.center.z;
+    const half_x = sphere.radius * Math.hypot(1, slope_x) + soft;
+    const half_y = sphere.radius * Math.hypot(1, slope_y) + soft;
+    out.left = Math.min(out.left, x - half_x);
+    out.right = Math.max(out.right, x + half_x);
+    out.front = Math.min(out.front, y - half_y);
+    out.back = Math.max(out.back, y + half_y);
+  }
+  return out;
+}
+
+/**
+ * The floor consists of a disc without shadows, and of one rectangular patch with shadows for each group of bodies. The shader of a patch
+ * takes twice the time of the disc's shader, which matters on machines without a graphics processor.
+ */
 export class Floor {
-  readonly mesh: THREE.Mesh;
-  private readonly casters = new THREE.DataTexture(new Uint8Array(cells * cells), cells, cells, THREE.RedFormat);
+  readonly object = new THREE.Group();
   private readonly uniforms = {
     ...THREE.UniformsUtils.clone(THREE.UniformsLib.lights),
+    receiveShadow: { value: true },
     u_floor: { value: new THREE.Color(0x2a2c31) },
     u_background: { value: new THREE.Color() },
     u_line: { value: new THREE.Color() },
     u_focus: { value: new THREE.Vector2() },
-    u_casters: { value: this.casters },
     u_reach: { value: 20 },
     u_strength: { value: 0.5 },
   };
+  private readonly disc: THREE.Mesh;
+  private readonly patches: THREE.Mesh;
+  private readonly corners = new THREE.BufferAttribute(new Float32Array(18 * max_patches), 3).setUsage(THREE.DynamicDrawUsage);
 
   constructor() {
-    const material = new THREE.ShaderMaterial({ uniforms: this.uniforms, vertexShader: vertex_shader, fragmentShader: fragment_shader, lights: true, defines: { CELLS: cells } });
-    this.mesh = new THREE.Mesh(new THREE.CircleGeometry(1, 128), material);
-    this.mesh.receiveShadow = true;
-    this.mesh.frustumCulled = false;
-    this.mesh.renderOrder = 1;
-    this.mesh.name = 'floor';
-    this.mesh.onBeforeRender = (_renderer, scene) => this.find_casters(scene as THREE.Scene);
+    const material = (more: THREE.ShaderMaterialParameters): THREE.ShaderMaterial =>
+      new THREE.ShaderMaterial({ uniforms: this.uniforms, vertexShader: vertex_shader, fragmentShader: fragment_shader, lights: true, ...more });
+    // The patches are drawn first. The disc is moved back by the smallest visible depth, so that it does not cover them.
+    this.patches = new THREE.Mesh(new THREE.BufferGeometry().setAttribute('position', this.corners), material({ defines: { PATCH: '' } }));
+    this.disc = new THREE.Mesh(new THREE.CircleGeometry(1, 128), material({ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 }));
+    this.patches.receiveShadow = true;
+    for (const [order, mesh] of [this.patches, this.disc].entries()) {
+      mesh.frustumCulled = false;
+      mesh.renderOrder = 1 + order;
+      this.object.add(mesh);
+    }
+    this.object.name = 'floor';
   }
 
-  /** Marks the cells of the shadow map that are not empty, because the shader reads shadows only there. */
-  private find_casters(scene: THREE.Scene): void {
-    const marks = this.casters.image.data as Uint8Array;
-    marks.fill(0);
-    let shadow: THREE.DirectionalLightShadow | null = null;
-    const meshes: THREE.Mesh[] = [];
+  /** Puts the patches where the bodies of a scene cast shadows. The world matrices of the scene must be up to date. */
+  place_patches(scene: THREE.Scene, light: THREE.DirectionalLight): void {
+    const groups = new Map<THREE.Object3D | null, THREE.Mesh[]>();
     scene.traverseVisible((o) => {
-      if (o instanceof THREE.DirectionalLight && o.castShadow) shadow ??= o.shadow;
-      else if (o instanceof THREE.Mesh && o.castShadow) meshes.push(o);
+      if (!(o instanceof THREE.Mesh) || !o.castShadow) return;
+      const group = groups.get(o.parent);
+      if (group) group.push(o);
+      else groups.set(o.parent, [o]);
     });
-    this.casters.needsUpdate = true;
-    if (shadow) for (const mesh of meshes) mark(marks, mesh, shadow);
+    const to_light = light.position.clone().sub(light.target.position).normalize();
+    const { shadow } = light;
+    const texel = (shadow.camera.right - shadow.camera.left) / shadow.mapSize.x;
+    const soft = ((shadow.radius + 2) * texel + shadow.normalBias) / to_light.z;
+    const lists = groups.size <= max_patches ? [...groups.values()] : [[...groups.values()].flat()];
+    lists.forEach((meshes, i) => {
+      const { left, right, front, back } = shadow_rectangle(meshes, to_light, soft);
+      this.corners.array.set([left, front, 0, right, front, 0, right, back, 0, left, front, 0, right, back, 0, left, back, 0], 18 * i);
+    });
+    this.corners.needsUpdate = true;
+    this.patches.geometry.setDrawRange(0, 6 * lists.length);
   }
 
   /** @param strength opacity of the grid lines, 0 ... 1 */
@@ -147,7 +182,7 @@ export class Floor {
   set_focus(x: number, y: number, reach: number): void {
     this.uniforms.u_focus.value.set(x, y);
     this.uniforms.u_reach.value = reach;
-    this.mesh.position.set(x, y, 0);
-    this.mesh.scale.set(reach, reach, 1);
+    this.disc.position.set(x, y, 0);
+    this.disc.scale.set(reach, reach, 1);
   }
 }
