@@ -2,6 +2,7 @@
 // WebAssembly relative to native code.
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -14,8 +15,10 @@
 #include "contents.h"
 #include "table.h"
 #include "ugoki/base/number.h"
+#include "ugoki/content/generate.h"
 #include "ugoki/content/player.h"
 #include "ugoki/files/files.h"
+#include "ugoki/samples/samples.h"
 
 namespace ugoki::benchmarks {
 namespace {
@@ -69,12 +72,25 @@ Run run_wasm(const std::string& file) {
   return out;
 }
 
+/// The sample's human alone, walking, with 1000 simulation steps per s.
+golden::GoldenContent make_fine_walk() {
+  const samples::Sample sample = samples::make_sample();
+  content::Scenario s = required(content::read_scenario(sample.document, "sample"));
+  std::erase_if(s.characters, [](const content::ScenarioCharacter& c) { return c.id != "human"; });
+  s.events.clear();
+  s.step = 0.001;
+  return {"human", required(content::generate(s, sample.resources))};
+}
+
 void rows(Table& table) {
+  std::vector<golden::GoldenContent> contents = golden::make_contents();
+  contents.push_back(make_fine_walk());
   const std::filesystem::path file = std::filesystem::temp_directory_path() / ("ugoki-wasm-bench-" + std::to_string(::getpid()) + ".ugx");
-  for (const golden::GoldenContent& c : golden::make_contents()) {
+  for (const golden::GoldenContent& c : contents) {
     if (!is_selected(c.name)) continue;
     content::Player player = required(content::Player::open(c.ugx, c.name));
-    required(files::write_file(file.string(), std::span<const std::byte>(c.ugx)));
+    if (const Result<void> written = files::write_file(file.string(), std::span<const std::byte>(c.ugx)); !written)
+      throw std::runtime_error(written.error().text());
     const Run wasm = run_wasm(file.string()), native = run_native(player);
     std::filesystem::remove(file);
     if (wasm.hash != native.hash) throw std::runtime_error(c.name + ": the states differ: " + wasm.hash + ", " + native.hash);

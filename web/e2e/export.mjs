@@ -488,13 +488,13 @@ await test('a picture of an export equals the picture of the studio', async () =
     const client = await connect(studio);
     await client.ask({ op: 'hello' });
     // a camera that does not move, because a following camera moves smoothly in real time
-    await client.ask({ op: 'command', command: { type: 'scenario.set', camera: { azimuth: 0.7, elevation: 0.2 } } });
+    await client.ask({ op: 'command', command: { type: 'scenario.set', camera: { follow: '', azimuth: 0.7, elevation: 0.2 } } });
+    await client.ask({ op: 'mode', mode: 'simulate' }); // before the page opens, because the page frames the first poses that it receives
     const shown = await context.newPage();
     await shown.goto(studio.address);
     await shown.waitForFunction(() => window.ugoki?.connected && window.ugoki.pictures > 1 && window.ugoki.frames_received > 0, undefined, { timeout: 60000 });
     const content = await fetch(`http://127.0.0.1:${studio.port}/api/export/ugx`, { headers: { Authorization: `Bearer ${studio.token}` } });
     writeFileSync(at('still.ugx'), Buffer.from(await content.arrayBuffer()));
-    await client.ask({ op: 'mode', mode: 'simulate' });
     await client.ask({ op: 'seek', time });
     await shown.waitForFunction((t) => Math.abs((window.ugoki.frame()?.time ?? 0) - t) < 1e-9 && window.ugoki.frame().simulate, time, { timeout: 60000 });
     await shown.waitForTimeout(1500);
