@@ -172,7 +172,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   std::signal(SIGPIPE, SIG_IGN);
 
   // For MP4 and WebM alone, the page sends planar YCbCr, the input form of the coders. A GIF and a transparent background need RGBA.
-  const bool planar = videos && outputs.gif.empty() && !o.transparent && o.blur == 1 && o.width % 8 == 0 && o.height % 2 == 0;
+  const bool planar = videos && outputs.gif.empty() && !o.transparent && o.blur == 1 && o.width % 2 == 0 && o.height % 2 == 0;
   Json settings = {{"width", o.width},
                    {"height", o.height},
                    {"rate", rate},
@@ -218,8 +218,11 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
                                     "--force-device-scale-factor=1",
                                     "--window-size=" + std::to_string(o.width) + "," + std::to_string(o.height)};
   std::error_code ec;
+  // Without a graphics processor, Mesa's renderer (llvmpipe) draws with half the processor time of SwiftShader, the renderer of Chromium.
+  // If Mesa is not installed, Chromium falls back to SwiftShader.
   if (!fs::exists("/dev/dri", ec))
-    words.insert(words.end(), {"--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-rasterization"});
+    words.insert(words.end(), {"--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader",
+                               "--disable-gpu-rasterization"});
   if (::geteuid() == 0) words.emplace_back("--no-sandbox");  // Chromium refuses to run as root with its sandbox
   words.push_back("file://" + (*launch)->path());
   const Result<std::unique_ptr<Child>> drawing = Child::start(words, false, browser_log.string());

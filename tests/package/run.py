@@ -56,9 +56,14 @@ def hash_of(text):
     return json.loads(text)["state_hash"]
 
 
+def enter(tree):
+    """Returns the beginning of a command that runs in the tree, with /proc, which programs need to find their own folder."""
+    return ["unshare", "--mount", "sh", "-c", 'mount -t proc proc "$0/proc" && exec chroot "$0" env HOME=/root DEBIAN_FRONTEND=noninteractive "$@"', str(tree)]
+
+
 def check_studio(tree, program):
     """Checks that the studio serves its page, exports the open project, and refuses a request without its token."""
-    studio = subprocess.Popen(["chroot", str(tree), "env", "HOME=/root", program, "studio", "/root/park.ugoki", "--no-open", "--json"],
+    studio = subprocess.Popen([*enter(tree), program, "studio", "/root/park.ugoki", "--no-open", "--json"],
                               stdout=subprocess.PIPE, text=True)
     try:
         text = ""
@@ -99,7 +104,7 @@ def check(root, work):
     tree = work / "tree"
     run("debootstrap", "--variant=minbase", "bookworm", tree)
     shutil.copy(work / "park.ugoki", tree / "root")
-    inside = lambda *command: run("chroot", tree, "env", "HOME=/root", "DEBIAN_FRONTEND=noninteractive", *command)
+    inside = lambda *command: run(*enter(tree), *command)
 
     with test("the release archive runs in a bare tree and gives the same state"):
         run("tar", "-C", tree / "opt", "-xzf", packages[".gz"])

@@ -7,6 +7,7 @@
 #include "fake_simulation.h"
 #include "ugoki/content/display_frame.h"
 #include "ugoki/content/generate.h"
+#include "ugoki/content/player.h"
 #include "ugoki/samples/samples.h"
 #include "ugoki/studio/interpreter.h"
 #include "ugoki/studio/player_simulation.h"
@@ -27,11 +28,14 @@ class Collector final : public InterpreterSink {
   void message(std::string text) override {
     json j = json::parse(text);
     if (j["event"] == "stopped") ADD_FAILURE() << text;
-    if (j["event"] == "summary") summary = std::move(j);
+    if (j["event"] == "summary")
+      summary = std::move(j);
+    else if (j["event"] == "transport")
+      transport = std::move(j);
   }
   Frame last;
   int frames = 0;
-  json summary;
+  json summary, transport;
 };
 
 const std::vector<std::byte>& sample() {
@@ -127,6 +131,18 @@ TEST_F(ContentTest, ReplayAfterReloadAndPastPushIsBitIdentical) {
   }
   EXPECT_NE(digests[0], digest);
   EXPECT_EQ(digests[0], digests[1]);
+}
+
+TEST_F(ContentTest, ReportsTheStateHashOfTheNewestStep) {
+  Result<content::Player> alone = content::Player::open(sample(), "sample");
+  ASSERT_TRUE(alone);
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_TRUE(interpreter.step_tick());
+    ASSERT_TRUE(alone->step());
+  }
+  EXPECT_EQ(sink.transport["steps"], 30);
+  EXPECT_EQ(std::stoull(sink.transport["state_hash"].get<std::string>(), nullptr, 16), alone->state_hash());
 }
 
 TEST_F(ContentTest, GrabIsShownImmediatelyAndPulls) {

@@ -1,11 +1,12 @@
 // Starts the system's Chromium for journeys and screenshots, with WebGL rendered in software.
 import { chromium } from 'playwright-core';
 
-export const launch = () =>
+/** @param renderer renderer of WebGL: 'swiftshader', or 'gl-egl' (Mesa), which `ugoki export` uses */
+export const launch = (renderer = 'swiftshader') =>
   chromium.launch({
     executablePath: process.env.UGOKI_CHROMIUM ?? '/usr/bin/chromium',
     args: [
-      '--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run',
+      '--headless', '--no-sandbox', '--use-gl=angle', `--use-angle=${renderer}`, '--enable-unsafe-swiftshader', ...(renderer === 'swiftshader' ? [] : ['--ignore-gpu-blocklist']), '--disable-quic', '--no-first-run',
       // rasterize the page on the CPU; only WebGL uses SwiftShader, with which rasterizing the page would take ten times as long
       '--disable-gpu-rasterization', '--disable-accelerated-2d-canvas',
       '--disable-background-networking', '--disable-component-update', '--disable-sync',

@@ -9,6 +9,7 @@ import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { validateBytes } from 'gltf-validator';
 import { AnimationMixer, LoopOnce, Matrix4, Quaternion, Vector3 } from 'three';
+import WebSocket from 'ws';
 import { USDLoader } from 'three/examples/jsm/loaders/USDLoader.js';
 import { USDAParser } from 'three/examples/jsm/loaders/usd/USDAParser.js';
 import { launch } from './browser.mjs';
@@ -39,6 +40,63 @@ const refused = (...words) => {
   expect(done.status === 1 || done.status === 2, `status ${done.status}: ${done.stdout}${done.stderr}`);
   return done.stderr;
 };
+
+/** Starts the studio with a project. @return its address, port, token, and a function that ends it */
+async function start_studio(project, ...words) {
+  const studio = spawn(ugoki, ['studio', project, '--no-open', '--json', '--library', at('library.db'), ...words], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const text = await new Promise((done, fail) => {
+    let all = '';
+    studio.stdout.on('data', (d) => (all += d).includes('}') && done(all));
+    studio.on('exit', () => fail(new Error('the studio ended')));
+  });
+  return { ...JSON.parse(text), stop: () => studio.kill() };
+}
+
+/** A connection to the studio's WebSocket. `ask` sends a request and returns its reply; `transport` is the latest event of this name. */
+async function connect({ port, token }) {
+  const socket = new WebSocket(`ws://127.0.0.1:${port}/ws`, ['ugoki', `ugoki.token.${token}`]);
+  const waiting = new Map();
+  const client = { transport: null, close: () => socket.close() };
+  socket.on('message', (data, binary) => {
+    const message = binary ? {} : JSON.parse(data);
+    if (message.event === 'transport') client.transport = message;
+    waiting.get(message.reply)?.(message);
+  });
+  await new Promise((done, fail) => socket.on('open', done).on('error', fail));
+  let last = 0;
+  client.post = (request) => socket.send(JSON.stringify({ id: ++last, ...request }));
+  client.ask = async (request) => {
+    const reply = new Promise((done) => waiting.set(last + 1, done));
+    client.post(request);
+    const answer = await reply;
+    expect(answer.ok, `${JSON.stringify(request)}: ${JSON.stringify(answer)}`);
+    return answer;
+  };
+  return client;
+}
+
+/** State hash of a project after `count` steps with recorded inputs in the studio. */
+async function hash_in_studio(project, inputs_here, count) {
+  const studio = await start_studio(project);
+  try {
+    const client = await connect(studio);
+    await client.ask({ op: 'hello' });
+    await client.ask({ op: 'mode', mode: 'simulate' });
+    for (let step = 0; step < count; step++) {
+      for (const { step: from, type, ...words } of inputs_here) {
+        if (from !== step) continue;
+        if (type === 'drag') client.post({ op: type, ...words }); // the studio answers only if it refuses the drag
+        else await client.ask({ op: type, ...words });
+      }
+      await client.ask({ op: 'step', ticks: 1 });
+    }
+    while (client.transport?.steps !== count) await new Promise((done) => setTimeout(done, 10));
+    client.close();
+    return client.transport.state_hash;
+  } finally {
+    studio.stop();
+  }
+}
 
 const steps = 600;
 const inputs = [
@@ -354,10 +412,10 @@ await test('a page with damaged content shows a message', async () => {
   await context.close();
 });
 
-// ---- example contents: `ugoki run`, native program and page ----
+// ---- example contents: studio, `ugoki run`, native program and page ----
 
 for (const name of ['park', ...readdirSync(examples).filter((f) => f.endsWith('.json')).map((f) => f.slice(0, -5))])
-  await test(`the content ${name} reaches the same state in \`ugoki run\`, native program and page`, async () => {
+  await test(`the content ${name} reaches the same state in the studio, \`ugoki run\`, native program and page`, async () => {
     const project = at(`example-${name}.ugoki`);
     run('new', project, ...(name === 'park' ? [] : ['--from', join(examples, `${name}.json`)]));
     const character = JSON.parse(run('info', project, '--json')).characters[0].id;
@@ -387,7 +445,9 @@ for (const name of ['park', ...readdirSync(examples).filter((f) => f.endsWith('.
       [list, steps],
     );
     await served.context().close();
-    expect(in_native === wanted_here && in_page === wanted_here, `run ${wanted_here}, native ${in_native}, page ${in_page}`);
+    const in_studio = await hash_in_studio(project, list, steps);
+    const all = `run ${wanted_here}, native ${in_native}, page ${in_page}, studio ${in_studio}`;
+    expect([in_native, in_page, in_studio].every((hash) => hash === wanted_here), all);
     console.log(`# ${name}.html ${statSync(html).size} bytes`);
   });
 
@@ -403,6 +463,77 @@ await test('pictures have the wanted size and differ', () => {
   const [a, b] = files.map((f) => readFileSync(at(f)));
   expect(a.readUInt32BE(16) === 160 && a.readUInt32BE(20) === 90, 'size');
   expect(Buffer.compare(a, b) !== 0, 'the pictures are equal');
+});
+
+await test('a picture of an export equals the picture of the studio', async () => {
+  const web = join(here, '../dist');
+  if (!existsSync(join(web, 'index.html'))) return 'the page of the studio is not built';
+  const time = 1.5;
+  const own = await launch('gl-egl');
+  const context = await own.newContext({ viewport: { width: 1400, height: 900 }, deviceScaleFactor: 1 });
+  // The studio draws as with a graphics processor (smooth edges, no reduced resolution), and keeps its picture, so that it can be read.
+  await context.addInitScript(() => {
+    const get = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, options) {
+      const found = get.call(this, kind, { ...options, preserveDrawingBuffer: true });
+      if (kind !== 'webgl2' || !found) return found;
+      const extension = found.getExtension.bind(found);
+      found.getExtension = (name) => (name === 'WEBGL_debug_renderer_info' ? null : extension(name));
+      return found;
+    };
+  });
+  run('new', at('still.ugoki'));
+  const studio = await start_studio(at('still.ugoki'), '--web', web);
+  try {
+    const client = await connect(studio);
+    await client.ask({ op: 'hello' });
+    // a camera that does not move, because a following camera moves smoothly in real time
+    await client.ask({ op: 'command', command: { type: 'scenario.set', camera: { follow: '', azimuth: 0.7, elevation: 0.2 } } });
+    await client.ask({ op: 'mode', mode: 'simulate' }); // before the page opens, because the page frames the first poses that it receives
+    const shown = await context.newPage();
+    await shown.goto(studio.address);
+    await shown.waitForFunction(() => window.ugoki?.connected && window.ugoki.pictures > 1 && window.ugoki.frames_received > 0, undefined, { timeout: 60000 });
+    const content = await fetch(`http://127.0.0.1:${studio.port}/api/export/ugx`, { headers: { Authorization: `Bearer ${studio.token}` } });
+    writeFileSync(at('still.ugx'), Buffer.from(await content.arrayBuffer()));
+    await client.ask({ op: 'seek', time });
+    await shown.waitForFunction((t) => Math.abs((window.ugoki.frame()?.time ?? 0) - t) < 1e-9 && window.ugoki.frame().simulate, time, { timeout: 60000 });
+    await shown.waitForTimeout(1500);
+    const [picture, width, height] = await shown.evaluate(() => {
+      const canvas = document.querySelector('canvas[aria-label^="Viewport"]');
+      return [canvas.toDataURL('image/png'), canvas.width, canvas.height];
+    });
+    writeFileSync(at('studio.png'), Buffer.from(picture.split(',')[1], 'base64'));
+    run('export', at('still.ugx'), '--png', at('still.png'), '--from', String(time), '--size', `${width}x${height}`, '--assist');
+    const difference = await (await context.newPage()).evaluate(
+      async ([a, b]) => {
+        const bytes_of = async (text) => {
+          const image = await createImageBitmap(await (await fetch(`data:image/png;base64,${text}`)).blob());
+          const flat = new OffscreenCanvas(image.width, image.height).getContext('2d');
+          flat.drawImage(image, 0, 0);
+          return flat.getImageData(0, 0, image.width, image.height).data;
+        };
+        const [p, q] = [await bytes_of(a), await bytes_of(b)];
+        let worst = p.length === q.length ? 0 : 256;
+        let other = 0;
+        const levels = new Set();
+        for (let i = 0; i < p.length; i++) {
+          const d = Math.abs(p[i] - q[i]);
+          if (d > 0) other++;
+          worst = Math.max(worst, d);
+          levels.add(p[i]);
+        }
+        return { worst, other, levels: levels.size };
+      },
+      [readFileSync(at('studio.png')).toString('base64'), readFileSync(at('still.png')).toString('base64')],
+    );
+    console.log(`# studio and export, ${width} x ${height}: largest difference ${difference.worst} of 255, in ${difference.other} values`);
+    expect(difference.worst <= 1 && difference.levels > 100, JSON.stringify(difference));
+    client.close();
+  } finally {
+    studio.stop();
+    await own.close();
+  }
+  return undefined;
 });
 
 await test('videos have the wanted length', () => {
@@ -504,14 +635,9 @@ await test('glTF has no errors and no warnings in the validator', async () => {
 await test('the studio exports the files that `ugoki export` writes', async () => {
   const web = join(here, '../dist');
   if (!existsSync(join(web, 'index.html'))) return 'the page of the studio is not built';
-  const studio = spawn(ugoki, ['studio', at('park.ugoki'), '--no-open', '--json', '--web', web, '--library', at('library.db')], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const studio = await start_studio(at('park.ugoki'), '--web', web);
   try {
-    const text = await new Promise((done, fail) => {
-      let all = '';
-      studio.stdout.on('data', (d) => (all += d).includes('}') && done(all));
-      studio.on('exit', () => fail(new Error('the studio ended')));
-    });
-    const { port, token } = JSON.parse(text);
+    const { port, token } = studio;
     const get = (form) => fetch(`http://127.0.0.1:${port}/api/export/${form}`, { headers: { Authorization: `Bearer ${token}` } });
     for (const [form, file] of [['html', 'park.html'], ['native', 'park'], ['ugx', 'park.ugx']]) {
       const answer = await get(form);
@@ -521,7 +647,7 @@ await test('the studio exports the files that `ugoki export` writes', async () =
     const wrong = await get('docx');
     expect(wrong.status >= 400 && /html, native/.test(await wrong.text()), 'an unknown form');
   } finally {
-    studio.kill();
+    studio.stop();
   }
   return undefined;
 });

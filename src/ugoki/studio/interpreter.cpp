@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -490,6 +491,8 @@ void Interpreter::report_stop() {
 void Interpreter::report_transport() {
   transport_reported_ = seconds_();
   const double pace = computed_seconds_ > 0 ? computed_steps_ / computed_seconds_ : 0;
+  char hash[17];
+  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(simulation_->state_hash()));
   const Json event{{"event", "transport"},
                    {"mode", mode_ == PlayMode::edit ? "edit" : "simulate"},
                    {"playing", playing_},
@@ -497,6 +500,8 @@ void Interpreter::report_transport() {
                    {"time", shown_},
                    {"duration", simulation_->duration()},
                    {"simulated", head_time()},
+                   {"steps", simulation_->step_count()},
+                   {"state_hash", hash},
                    {"steps_per_s", pace},
                    {"realtime_factor", pace * simulation_->step_size()},
                    {"status", status_}};

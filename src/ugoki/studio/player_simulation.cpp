@@ -28,6 +28,7 @@ class PlayerSimulation final : public Simulation {
   int find_link(int character, std::string_view name) const override { return player_.find_link(character, name); }
 
   std::int64_t step_count() const override { return static_cast<std::int64_t>(player_.step_count()); }
+  std::uint64_t state_hash() const override { return player_.state_hash(); }
   Result<void> step() override {
     pending_input_ = PendingInput::none;
     return player_.step();

@@ -46,6 +46,8 @@ class Simulation {
   [[nodiscard]] virtual int find_link(int character, std::string_view name) const = 0;
 
   [[nodiscard]] virtual std::int64_t step_count() const = 0;  ///< number of steps done since time 0
+  /// Hash of all positions and velocities, as `ugoki run` prints it.
+  [[nodiscard]] virtual std::uint64_t state_hash() const { return 0; }
   /// Computes one step of dynamics. On an error the state before the step is kept; the error names the cause.
   [[nodiscard]] virtual Result<void> step() = 0;
 

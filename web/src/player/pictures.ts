@@ -72,8 +72,8 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
       if (next >= time) return;
     }
   };
-  const gl = view.stage.renderer.getContext();
-  const planar = settings.raw === 'planar' && fits_planar(width, height) ? new PlanarReader(view.stage.renderer, width, height) : null;
+  const gl = view.stage.renderer.getContext() as WebGL2RenderingContext;
+  const planar = settings.raw === 'planar' && fits_planar(width, height) ? new PlanarReader(gl, width, height) : null;
   const pixels = new Uint8Array(planar && settings.blur === 1 ? 0 : 4 * width * height);
   const sums = settings.blur > 1 ? new Uint32Array(pixels.length) : null;
   const flat = document.createElement('canvas');
@@ -103,7 +103,7 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
       sending.push(send(i, 'png', blob));
     }
     if (planar) {
-      sending.push(planar.read(new Uint8Array(planar.size)).then((bytes) => send(i, 'raw', bytes)));
+      sending.push(planar.read().then((bytes) => send(i, 'raw', bytes)));
     } else if (settings.raw !== '') {
       if (settings.transparent) straighten(pixels);
       sending.push(send(i, 'raw', pixels));

@@ -4,7 +4,7 @@ import { assist_force, assist_over_cap, body_weight, centre_of_mass, type Frame 
 import { CameraRig } from '../view/camera';
 import { CharacterView, mechanism_geometries, type LinkTag } from '../view/character_view';
 import { Arrow, assist_color, ContactDiscs, Spring } from '../view/overlays';
-import { Stage, type StageOptions } from '../view/stage';
+import { shadow_reach, Stage, type StageOptions } from '../view/stage';
 import type { Scene } from './engine';
 
 const max_contacts = 48; // further contacts are not drawn
@@ -229,10 +229,7 @@ export class SceneView {
     else this.spring.hide();
     if (this.aim) this.push_arrow.show(this.point_of(this.aim.hit, this.aim.local), this.aim.along);
     else this.push_arrow.hide();
-    let reach = 3;
-    const spheres = this.spheres();
-    if (spheres.length > 0) reach = Math.max(...spheres.map((s) => Math.hypot(s.center.x - target.x, s.center.y - target.y) + s.radius)) + 0.5;
-    this.stage.focus(target, Math.min(reach, Math.max(2.6, distance * 0.85)), distance);
+    this.stage.focus(target, shadow_reach(this.spheres(), target, distance), distance);
     this.stage.render(camera, still);
   }
 

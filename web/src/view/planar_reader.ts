@@ -1,74 +1,87 @@
-/** Reads a drawn picture as planar YCbCr 4:2:0, the input form of video coders (1.5 bytes a pixel). The graphics processor converts it. */
-import * as THREE from 'three';
+/** Reads a drawn picture as planar YCbCr 4:2:0, the input form of video coders (1.5 bytes a pixel). */
 
-// Bytes of the output: luma, then Cb, then Cr, each row by row from the top of the picture. Each output pixel contains four of these bytes.
-const fragment_shader = `
-precision highp float;
-precision highp int;
-uniform sampler2D u_picture;
-uniform ivec2 u_size;
-out vec4 bytes;
+/** Returns true if pictures of this size can be read: width and height are even. */
+export const fits_planar = (width: number, height: number): boolean => width % 2 === 0 && height % 2 === 0;
 
-vec3 pixel(int x, int y) { return texelFetch(u_picture, ivec2(x, u_size.y - 1 - y), 0).rgb; }
-float luma(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
-float value(int at) {
-  int pixels = u_size.x * u_size.y;
-  if (at < pixels) return (16.0 + 219.0 * luma(pixel(at % u_size.x, at / u_size.x))) / 255.0;
-  int c = at - pixels, plane = pixels / 4, width = u_size.x / 2;
-  bool red = c >= plane;
-  c = red ? c - plane : c;
-  int x = 2 * (c % width), y = 2 * (c / width);
-  vec3 mean = 0.25 * (pixel(x, y) + pixel(x + 1, y) + pixel(x, y + 1) + pixel(x + 1, y + 1));
-  float difference = red ? (mean.r - luma(mean)) / 1.5748 : (mean.b - luma(mean)) / 1.8556;
-  return (128.0 + 224.0 * difference) / 255.0;
+const poll_time = 2; // time between two questions whether the picture is drawn, ms
+const one = 1 << 16; // fixed-point numbers have 16 bits behind the point
+
+/** Coefficient of a colour difference to a colour value, for the matrix and limited range of ITU-R BT.709 (luma 16 ... 235, chroma 16 ... 240). */
+const fixed = (value: number): number => Math.round(value * one);
+const [luma_r, luma_g, luma_b] = [0.2126, 0.7152, 0.0722].map((k) => fixed((k * 219) / 255)) as [number, number, number];
+// The chroma values are computed from the sum of 2 x 2 pixels, hence the factor 1/4.
+const chroma = (scale: number, r: number, g: number, b: number): [number, number, number] => [r, g, b].map((k) => fixed((k * 224) / 255 / scale / 4)) as [number, number, number];
+const [cb_r, cb_g, cb_b] = chroma(1.8556, -0.2126, -0.7152, 1 - 0.0722);
+const [cr_r, cr_g, cr_b] = chroma(1.5748, 1 - 0.2126, -0.7152, -0.0722);
+
+/**
+ * Converts a picture by the matrix of ITU-R BT.709 with limited range. Chroma is the mean of 2 x 2 pixels, at their centre.
+ * @param rgba rows from the bottom to the top, as WebGL reads them
+ * @param out luma, then Cb, then Cr, each row by row from the top; (3 * width * height) / 2 bytes
+ */
+export function to_planar(rgba: Uint8Array, width: number, height: number, out: Uint8Array): void {
+  const pixels = new Uint32Array(rgba.buffer, rgba.byteOffset, width * height); // little-endian: red is the lowest byte
+  const half = width >> 1;
+  let cb = width * height;
+  let cr = cb + (cb >> 2);
+  for (let y = 0; y < height; y += 2) {
+    let upper = (height - 1 - y) * width;
+    let lower = upper - width;
+    let at = y * width;
+    for (let x = 0; x < half; x++, at += 2) {
+      const a = pixels[upper++]!;
+      const b = pixels[upper++]!;
+      const c = pixels[lower++]!;
+      const d = pixels[lower++]!;
+      out[at] = luma(a);
+      out[at + 1] = luma(b);
+      out[at + width] = luma(c);
+      out[at + width + 1] = luma(d);
+      const red = (a & 255) + (b & 255) + (c & 255) + (d & 255);
+      const green = ((a >>> 8) & 255) + ((b >>> 8) & 255) + ((c >>> 8) & 255) + ((d >>> 8) & 255);
+      const blue = ((a >>> 16) & 255) + ((b >>> 16) & 255) + ((c >>> 16) & 255) + ((d >>> 16) & 255);
+      out[cb++] = (cb_r * red + cb_g * green + cb_b * blue + 128.5 * one) >> 16;
+      out[cr++] = (cr_r * red + cr_g * green + cr_b * blue + 128.5 * one) >> 16;
+    }
+  }
 }
-void main() {
-  int at = int(gl_FragCoord.y) * u_size.x + 4 * int(gl_FragCoord.x);
-  bytes = vec4(value(at), value(at + 1), value(at + 2), value(at + 3));
-}`;
+const luma = (p: number): number => (luma_r * (p & 255) + luma_g * ((p >>> 8) & 255) + luma_b * ((p >>> 16) & 255) + 16.5 * one) >> 16;
 
-/** Returns true if pictures of this size can be read: the width is a multiple of 8, and the height is even. */
-export const fits_planar = (width: number, height: number): boolean => width % 8 === 0 && height % 2 === 0;
-
-/** Converter by the matrix of ITU-R BT.709 with limited range (luma 16 ... 235). Chroma is the mean of 2 x 2 pixels, at their centre. */
+/** Reads the canvas of a WebGL context while the graphics processor already draws the next pictures. */
 export class PlanarReader {
-  private readonly picture: THREE.FramebufferTexture;
-  private readonly target: THREE.WebGLRenderTarget;
-  private readonly scene = new THREE.Scene();
-  private readonly camera = new THREE.Camera();
+  private readonly spare: WebGLBuffer[] = [];
+  private readonly rgba: Uint8Array<ArrayBuffer>;
 
-  /** @param width, height size of the renderer's canvas in px; fits_planar() must be true */
-  constructor(private readonly renderer: THREE.WebGLRenderer, private readonly width: number, private readonly height: number) {
-    this.picture = new THREE.FramebufferTexture(width, height);
-    this.target = new THREE.WebGLRenderTarget(width / 4, (3 * height) / 2, { depthBuffer: false, minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter });
-    const material = new THREE.RawShaderMaterial({
-      glslVersion: THREE.GLSL3,
-      vertexShader: 'in vec3 position; void main() { gl_Position = vec4(position, 1.0); }',
-      fragmentShader: fragment_shader,
-      uniforms: { u_picture: { value: this.picture }, u_size: { value: new THREE.Vector2(width, height) } },
-      depthTest: false,
-      depthWrite: false,
-    });
-    const quad = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), material);
-    quad.frustumCulled = false;
-    this.scene.add(quad);
+  /** @param width, height size of the context's canvas in px; fits_planar() must be true */
+  constructor(private readonly gl: WebGL2RenderingContext, private readonly width: number, private readonly height: number) {
+    this.rgba = new Uint8Array(4 * width * height);
   }
 
-  /** Number of bytes of a picture. */
-  get size(): number {
-    return (3 * this.width * this.height) / 2;
+  /** Returns the picture that was drawn last, in the form of to_planar(). Further pictures may be drawn before the promise is fulfilled. */
+  async read(): Promise<Uint8Array<ArrayBuffer>> {
+    const { gl, width, height } = this;
+    const buffer = this.spare.pop() ?? this.make_buffer();
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, 0);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
+    const drawn = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0)!;
+    gl.flush();
+    while (gl.clientWaitSync(drawn, 0, 0) === gl.TIMEOUT_EXPIRED) await new Promise((done) => setTimeout(done, poll_time));
+    gl.deleteSync(drawn);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
+    gl.getBufferSubData(gl.PIXEL_PACK_BUFFER, 0, this.rgba);
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
+    this.spare.push(buffer);
+    const out = new Uint8Array((3 * width * height) / 2);
+    to_planar(this.rgba, width, height, out);
+    return out;
   }
 
-  /** Reads the picture that was drawn last into a buffer of `size` bytes. Further pictures may be drawn before the promise is fulfilled. */
-  read(into: Uint8Array<ArrayBuffer>): Promise<Uint8Array<ArrayBuffer>> {
-    const { renderer, target } = this;
-    renderer.copyFramebufferToTexture(this.picture);
-    const shadows = renderer.shadowMap.autoUpdate;
-    renderer.shadowMap.autoUpdate = false;
-    renderer.setRenderTarget(target);
-    renderer.render(this.scene, this.camera);
-    renderer.setRenderTarget(null);
-    renderer.shadowMap.autoUpdate = shadows;
-    return renderer.readRenderTargetPixelsAsync(target, 0, 0, target.width, target.height, into) as Promise<Uint8Array<ArrayBuffer>>;
+  private make_buffer(): WebGLBuffer {
+    const { gl } = this;
+    const buffer = gl.createBuffer();
+    gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
+    gl.bufferData(gl.PIXEL_PACK_BUFFER, this.rgba.length, gl.STREAM_READ);
+    return buffer;
   }
 }

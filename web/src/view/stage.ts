@@ -45,13 +45,13 @@ export class Stage {
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.scene.background = options.transparent ? null : this.background;
-    this.floor.mesh.visible = !options.transparent;
+    this.floor.object.visible = !options.transparent;
     this.key.castShadow = true;
     this.key.shadow.mapSize.setScalar(this.software ? 1024 : 2048);
     this.key.shadow.bias = -0.0006;
     this.key.shadow.normalBias = 0.012;
     this.key.shadow.radius = 5;
-    this.scene.add(this.floor.mesh, this.key, this.key.target, this.fill, this.fill.target, this.sky);
+    this.scene.add(this.floor.object, this.key, this.key.target, this.fill, this.fill.target, this.sky);
     this.quality = this.software ? 0.5 : 1;
   }
 
@@ -107,6 +107,8 @@ export class Stage {
   /** Draws a frame. @param still true: nothing moves, so the frame is drawn at full resolution */
   render(camera: THREE.Camera, still: boolean): void {
     this.set_ratio(still);
+    this.scene.updateMatrixWorld();
+    if (this.floor.object.visible) this.floor.place_patches(this.scene, this.key);
     this.renderer.render(this.scene, camera);
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -141,6 +143,15 @@ export class Stage {
   dispose(): void {
     this.renderer.dispose();
   }
+}
+
+/**
+ * Half width of the area around the camera's target in which shadows are drawn, m. @param spheres bounding spheres of all links
+ * @param view_distance distance of the camera from its target, m
+ */
+export function shadow_reach(spheres: readonly THREE.Sphere[], target: THREE.Vector3, view_distance: number): number {
+  const farthest = spheres.length > 0 ? Math.max(...spheres.map((s) => Math.hypot(s.center.x - target.x, s.center.y - target.y) + s.radius)) : 2.5;
+  return Math.min(farthest + 0.5, Math.max(2.6, view_distance * 0.85));
 }
 
 /** Whether WebGL is rendered in software, without a graphics processor. */

@@ -12,7 +12,7 @@ import { selected_character, shown_document, type StudioState } from '../core/st
 import { CameraRig } from './camera';
 import { CharacterView, Ghost, mechanism_geometries, type LinkTag } from './character_view';
 import { Arrow, assist_color, ContactDiscs, make_ring, Polyline, Segments, Spring } from './overlays';
-import { Stage } from './stage';
+import { shadow_reach, Stage } from './stage';
 
 const ghost_offsets = [-0.8, -0.4, 0.4, 0.8]; // times of the ghosts relative to the current frame, s
 const trail_seconds = 4; // time span of a trail, s
@@ -346,9 +346,7 @@ export class Viewport {
     this.drawn_still = still;
     this.draw_overlays(frame);
     const { target, distance } = this.rig.current;
-    const all = this.bounds(null);
-    const spread = all ? all.radius + target.distanceTo(all.center) + 0.5 : 3;
-    this.stage.focus(target, Math.min(spread, Math.max(2.6, distance * 0.85)), distance);
+    this.stage.focus(target, shadow_reach(this.spheres(null), target, distance), distance);
     this.stage.render(this.rig.camera, still);
     this.pictures++;
     if (!this.framed_once && frame && this.drawn.size > 0 && this.drawn.size >= (this.session.state.document?.characters.length ?? 0)) this.first_view();
