@@ -162,6 +162,23 @@ TEST(MotionControl, JointsKeepTheirAccelerationsWhereTheAssistIsCapped) {
   for (std::size_t i = 6; i < a.size(); ++i) EXPECT_NEAR(vdot[i], a[i], 1e-8) << i;
 }
 
+TEST(MotionControl, FeetThatSlideWhileTheyLandBearLoad) {
+  // The character and its reference glide along the floor. Joints between root and loaded feet have servo gains.
+  for (const double speed : {0.5, 2.0, 4.0}) {
+    Simulation s;
+    std::vector<double> v = s.rest;
+    v[3] = s.state.v[3] = speed;
+    calc_poses(*s.m, s.state.q, s.X);
+    const std::span<const Pose> poses(s.X);
+    collision::find_contacts(s.scene, std::span(&poses, 1), 0.02, s.workspace, s.contacts);
+    s.last = s.control.step({s.state.q, s.state.v, s.reference, v, s.rest, s.contacts, 0, 0.002}, s.memory, s.state.tau, s.gain, s.target);
+    if (speed < 3)
+      EXPECT_GT(s.gain[6], 0) << speed;
+    else
+      EXPECT_EQ(s.gain[6], 0) << speed;
+  }
+}
+
 TEST(MotionControl, FallsFreelyWithoutSupportAndStandsAgain) {
   Simulation s;
   s.state.q[2] = 1.11;  // m: 0.2 m too high, like the reference

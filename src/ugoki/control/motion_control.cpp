@@ -71,9 +71,11 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
     const Vec3 v_ref = dynamics::point_velocity(reference_, c.link_a, p_ref);
     const double height = dot(c.n, p_ref + shift - c.p), rise = dot(c.n, v_ref);
     if (height > options_.planted_height || rise > options_.planted_speed) continue;
-    if (norm(v_ref - c.n * rise) > options_.sliding_speed) continue;
-    // Load on a point that is about to lift (a heel) is costly, so that other points (the toes) carry it.
-    const double lift = std::max(0.0, rise) / options_.lifting_speed, cost = 1 + lift * lift;
+    const double slide = norm(v_ref - c.n * rise);
+    if (slide > options_.sliding_limit) continue;
+    // Load on a point that is about to lift (a heel) or that slides is costly, so that other points (the toes) carry it.
+    const double lift = std::max(0.0, rise) / options_.lifting_speed, slip = std::max(0.0, slide / options_.sliding_speed - 1);
+    const double cost = 1 + lift * lift + slip * slip;
     supports_.push_back({c.p, c.n, 0.7 * c.friction, cost * cost});  // 0.7: margin to the edge of the friction cone
     support_links_.push_back(c.link_a);
     offsets_.push_back(c.p - p_ref);
