@@ -36,9 +36,10 @@ struct ControlOptions {
   double planted_height = 0.04;   ///< m: a point higher than this in the reference, relative to the contact, is not planted (bears no load)
   double planted_speed = 0.5;     ///< m/s: a point that rises faster than this in the reference is not planted
   /// Cost of load on a point whose speed in the reference is `rise` upwards and `slide` along the floor:
-  /// (1 + (rise / lifting_speed)^2 + (slide / sliding_speed - 1)^2)^2; negative terms in the inner brackets count as zero.
+  /// (1 + (rise / lifting_speed)^2 + ((slide - sliding_speed) / slip_speed)^2)^2; negative terms in the inner brackets count as zero.
   double lifting_speed = 0.05;  ///< m/s
   double sliding_speed = 0.8;   ///< m/s: stance feet of walks move slower than this
+  double slip_speed = 0.1;      ///< m/s: a point that slides at 1.6 m/s bears load if no other point can
   double sliding_limit = 3;     ///< m/s: a point that moves faster along the floor is not planted: a swinging foot, not one in stance or landing
   double shift_time = 0.12;       ///< s: time constant with which the root trajectory is shifted towards the actual feet
   double return_time = 2;         ///< s: time constant with which the shift decays
