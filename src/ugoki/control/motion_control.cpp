@@ -74,7 +74,8 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
     const double slide = norm(v_ref - c.n * rise);
     if (slide > options_.sliding_limit) continue;
     // Load on a point that is about to lift (a heel) or that slides is costly, so that other points (the toes) carry it.
-    const double lift = std::max(0.0, rise) / options_.lifting_speed, slip = std::max(0.0, slide - options_.sliding_speed) / options_.slip_speed;
+    const double lift = std::max(0.0, rise) / options_.lifting_speed,
+                 slip = std::max(0.0, slide - options_.sliding_speed) / options_.slip_speed;
     const double cost = 1 + lift * lift + slip * slip;
     supports_.push_back({c.p, c.n, 0.7 * c.friction, cost * cost});  // 0.7: margin to the edge of the friction cone
     support_links_.push_back(c.link_a);

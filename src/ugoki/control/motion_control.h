@@ -40,14 +40,15 @@ struct ControlOptions {
   double lifting_speed = 0.05;  ///< m/s
   double sliding_speed = 0.8;   ///< m/s: stance feet of walks move slower than this
   double slip_speed = 0.1;      ///< m/s: a point that slides at 1.6 m/s bears load if no other point can
-  double sliding_limit = 3;     ///< m/s: a point that moves faster along the floor is not planted: a swinging foot, not one in stance or landing
-  double shift_time = 0.12;       ///< s: time constant with which the root trajectory is shifted towards the actual feet
-  double return_time = 2;         ///< s: time constant with which the shift decays
+  double sliding_limit =
+      3;  ///< m/s: a point that moves faster along the floor is not planted: a swinging foot, not one in stance or landing
+  double shift_time = 0.12;  ///< s: time constant with which the root trajectory is shifted towards the actual feet
+  double return_time = 2;    ///< s: time constant with which the shift decays
   /// Fraction of lever(): depth of the root below the reference at which free fall without support has faded out. A root that is deeper, or
   /// this far away from its shifted reference horizontally, has lost its reference.
   double fall_depth = 0.5;
-  double release_tilt = 1;        ///< rad: a root that is tilted by more relative to its reference has lost it
-  Vec3 gravity{0, 0, -9.81};      ///< m/s^2, world
+  double release_tilt = 1;    ///< rad: a root that is tilted by more relative to its reference has lost it
+  Vec3 gravity{0, 0, -9.81};  ///< m/s^2, world
 };
 
 /// State of the controller between ticks. Plain data, so that it can be saved and restored.
