@@ -92,7 +92,7 @@ TEST(MotionControl, RecoversFromAPush) {
   for (const double v : s.state.v) EXPECT_LT(std::fabs(v), 0.02) << "the character should be at rest";
 }
 
-TEST(MotionControl, ReleasesControlAboveTheCapWithoutHiddenAssist) {
+TEST(MotionControl, ReleasesControlAfterAFallWithoutHiddenAssist) {
   ControlOptions options;
   options.assist_limit = 0.2;
   Simulation s(options);
@@ -110,7 +110,7 @@ TEST(MotionControl, ReleasesControlAboveTheCapWithoutHiddenAssist) {
   s.state.q = s.m->neutral();
   s.state.q[2] = 0.91;
   s.state.v.assign(s.state.v.size(), 0.0);
-  s.memory.overload = 0;
+  s.memory.departure = 0;
   for (double& shift : s.memory.shift) shift = 0;
   for (int i = 0; i < 1000; ++i) s.step(i < 10 ? Vec3{50, 20, 0} : Vec3{});
   EXPECT_TRUE(s.last.released);
@@ -128,6 +128,55 @@ TEST(MotionControl, AssistStaysBelowCapAndCarriesUnsupportedCharacter) {
   }
   EXPECT_NEAR(s.last.size_bw, 1.0, 0.01);
   EXPECT_NEAR(s.state.q[2], 2.0, 0.01);
+}
+
+TEST(MotionControl, HelpsUpToTheCapWhileTheCharacterFollows) {
+  ControlOptions options;
+  options.assist_limit = 0.2;
+  Simulation s(options);
+  for (int i = 0; i < 500; ++i) s.step({});
+  int at_cap = 0;
+  for (int i = 0; i < 2500; ++i) {
+    s.step(i < 50 ? Vec3{600, 0, 0} : Vec3{});
+    EXPECT_LE(s.last.size_bw, 0.2 + 1e-12);
+    if (s.last.ratio > 1) ++at_cap;
+  }
+  EXPECT_GT(at_cap, 30) << "the push should need more than the cap for 60 ms";
+  EXPECT_FALSE(s.last.released);
+  EXPECT_NEAR(s.state.q[2], 0.91, 0.01);
+}
+
+TEST(MotionControl, JointsKeepTheirAccelerationsWhereTheAssistIsCapped) {
+  // In the air, the forward dynamics of the torques and the capped assist must give the joints the accelerations of the reference, although
+  // the root would need far more assist.
+  Simulation s;
+  s.state.q[2] = s.reference[2] = 3;
+  std::vector<double> a(s.rest.size());
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] = i < 6 ? 40.0 - 13.0 * static_cast<double>(i) : 3.0 * static_cast<double>(i % 4) - 4;
+  s.last = s.control.step({s.state.q, s.state.v, s.reference, s.rest, a, {}, 0, 0.002}, s.memory, s.state.tau, s.gain, s.target);
+  ASSERT_GT(s.last.ratio, 2);
+  dynamics::Workspace ws(*s.m);
+  std::vector<double> vdot(a.size());
+  s.state.external[0] = MotionControl::about_world_origin(s.last.assist, {0, 0, 3});
+  ASSERT_TRUE(dynamics::calc_forward_dynamics(*s.m, ws, s.state.q, s.state.v, s.state.tau, {0, 0, -9.81}, s.state.external, vdot));
+  for (std::size_t i = 6; i < a.size(); ++i) EXPECT_NEAR(vdot[i], a[i], 1e-8) << i;
+}
+
+TEST(MotionControl, FeetThatSlideWhileTheyLandBearLoad) {
+  // The character and its reference glide along the floor. Joints between root and loaded feet have servo gains.
+  for (const double speed : {0.5, 2.0, 4.0}) {
+    Simulation s;
+    std::vector<double> v = s.rest;
+    v[3] = s.state.v[3] = speed;
+    calc_poses(*s.m, s.state.q, s.X);
+    const std::span<const Pose> poses(s.X);
+    collision::find_contacts(s.scene, std::span(&poses, 1), 0.02, s.workspace, s.contacts);
+    s.last = s.control.step({s.state.q, s.state.v, s.reference, v, s.rest, s.contacts, 0, 0.002}, s.memory, s.state.tau, s.gain, s.target);
+    if (speed < 3)
+      EXPECT_GT(s.gain[6], 0) << speed;
+    else
+      EXPECT_EQ(s.gain[6], 0) << speed;
+  }
 }
 
 TEST(MotionControl, FallsFreelyWithoutSupportAndStandsAgain) {

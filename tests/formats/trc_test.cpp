@@ -39,6 +39,26 @@ TEST(Trc, MarkersAreConvertedToOurAxes) {
   EXPECT_FALSE(m->seen(1, 0));
 }
 
+TEST(Trc, SteadyTimesCorrectAWrongDataRate) {
+  const auto file = [](int period) {  // every period-th time is 0.02 s late
+    std::string text = good.substr(0, good.find("7\t0.12"));
+    text.replace(text.find("50\t50\t2\t2"), 9, "250\t250\t20\t2");
+    for (int i = 0; i < 20; ++i) {
+      const double time = 0.04 * i + (i % period == period - 1 ? 0.02 : 0);
+      text += std::to_string(i) + "\t" + std::to_string(time) + "\t1\t2\t3\t4\t5\t6\n";
+    }
+    return text;
+  };
+  ReadNotes notes;
+  const auto steady = read_trc(file(20), "walk.trc", {}, &notes), uneven = read_trc(file(3), "walk.trc");
+  ASSERT_TRUE(steady.has_value()) << text_of(steady.error());
+  ASSERT_TRUE(uneven.has_value()) << text_of(uneven.error());
+  EXPECT_NEAR(steady->rate, 25, 1e-9);
+  EXPECT_EQ(uneven->rate, 250);
+  ASSERT_FALSE(notes.remarks.empty());
+  EXPECT_NE(notes.remarks[0].find("the times are assumed to be right"), std::string::npos) << notes.remarks[0];
+}
+
 TEST(Trc, CommasAndWindowsLineEndsGiveTheSameMarkers) {
   std::string other;
   for (const char c : good) other += c == '\t' ? "," : c == '\n' ? "\r\n" : std::string(1, c);

@@ -11,7 +11,7 @@
 
 namespace ugoki::content {
 
-/// State of a character. tracking: it follows its track. released: control has released it, because the root assist exceeded its cap.
+/// State of a character. tracking: it follows its track. released: control has released it, because it fell or lost its reference.
 /// passive: it is not controlled. edit: it is posed from its track, without physics.
 enum class CharacterState : std::uint32_t { tracking = 0, released = 1, passive = 2, edit = 3 };
 

@@ -34,7 +34,7 @@ struct ScenarioControl {
   ControlMode mode = ControlMode::track;
   double tracking = 1;        ///< factor on the tracking gains, 0 ... 2
   double balance = 1;         ///< factor on the balance gains, 0 ... 2
-  double assist_limit = 0.5;  ///< cap of the root assist, body weights; above it, control releases the character
+  double assist_limit = 0.5;  ///< cap of the root assist, body weights
   friend bool operator==(const ScenarioControl&, const ScenarioControl&) = default;
 };
 

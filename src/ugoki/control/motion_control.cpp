@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ugoki/base/check.h"
+#include "ugoki/dynamics/centroidal.h"
 #include "ugoki/mechanism/state.h"
 
 namespace ugoki::control {
@@ -70,9 +71,12 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
     const Vec3 v_ref = dynamics::point_velocity(reference_, c.link_a, p_ref);
     const double height = dot(c.n, p_ref + shift - c.p), rise = dot(c.n, v_ref);
     if (height > options_.planted_height || rise > options_.planted_speed) continue;
-    if (norm(v_ref - c.n * rise) > options_.sliding_speed) continue;
-    // Load on a point that is about to lift (a heel) is costly, so that other points (the toes) carry it.
-    const double lift = std::max(0.0, rise) / options_.lifting_speed, cost = 1 + lift * lift;
+    const double slide = norm(v_ref - c.n * rise);
+    if (slide > options_.sliding_limit) continue;
+    // Load on a point that is about to lift (a heel) or that slides is costly, so that other points (the toes) carry it.
+    const double lift = std::max(0.0, rise) / options_.lifting_speed,
+                 slip = std::max(0.0, slide - options_.sliding_speed) / options_.slip_speed;
+    const double cost = 1 + lift * lift + slip * slip;
     supports_.push_back({c.p, c.n, 0.7 * c.friction, cost * cost});  // 0.7: margin to the edge of the friction cone
     support_links_.push_back(c.link_a);
     offsets_.push_back(c.p - p_ref);
@@ -80,7 +84,7 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
   }
 }
 
-double MotionControl::apply_free_fall(const Vec3& ahead, Vec6& missing, std::span<double> tau) {
+double MotionControl::apply_free_fall(const Vec3& ahead, Vec6& missing, Vec3& gravity, std::span<double> tau) {
   if (options_.assist_limit >= 1 || !(weight_ > 0)) return 0;  // free fall is not needed, because the assist can carry the whole weight
   const double depth = std::clamp(-ahead.z / (options_.fall_depth * lever_), 0.0, 1.0);
   const double up = missing.v.z > 0 ? missing.v.z * (1 - depth * depth) : missing.v.z;  // the assist must not pull the character down
@@ -88,9 +92,31 @@ double MotionControl::apply_free_fall(const Vec3& ahead, Vec6& missing, std::spa
   if (share < 1e-3) return 0;
   const Vec3 given_up{share * missing.v.x, share * missing.v.y, up};
   const Vec6 before = workspace_.F[0];
-  dynamics::calc_inverse_dynamics(*mechanism_, workspace_, wanted_, options_.gravity + given_up / mechanism_->mass(), {}, tau);
+  gravity += given_up / mechanism_->mass();
+  dynamics::calc_inverse_dynamics(*mechanism_, workspace_, wanted_, gravity, {}, tau);
   missing += workspace_.F[0] - before;
   return share;
+}
+
+void MotionControl::give_up(const Vec6& lack, const Vec3& gravity, std::span<double> tau) {
+  const dynamics::Workspace& ws = workspace_;
+  const dynamics::Centroidal body = dynamics::calc_centroidal(*mechanism_, ws);
+  const Vec3 arm = body.centre - ws.p0;
+  const Vec3 angular = inverse(body.inertia.matrix()) * (lack.w - cross(arm, lack.v));
+  const Vec3 linear = lack.v / body.mass - cross(angular, arm);
+  for (std::size_t k = 0; k < 3; ++k) {
+    wanted_[k] -= dot(ws.S[k].w, angular);
+    wanted_[3 + k] -= dot(ws.S[3 + k].v, linear);
+  }
+  dynamics::calc_inverse_dynamics(*mechanism_, workspace_, wanted_, gravity, {}, tau);
+}
+
+double MotionControl::calc_departure(const ControlInput& in, const Vec3& ahead, const double (&shift)[3]) const {
+  const Joint& root = mechanism_->link(0).joint;
+  const Mat3 R = root.X_PJ.R * joint_pose(root, in.q.data()).R, R_ref = root.X_PJ.R * joint_pose(root, in.q_ref.data()).R;
+  const double tilt = acos(std::clamp(dot(R.row(2), R_ref.row(2)), -1.0, 1.0));
+  const double distance = std::hypot(ahead.x - shift[0], ahead.y - shift[1]);
+  return std::max({-ahead.z / (options_.fall_depth * lever_), distance / (options_.fall_depth * lever_), tilt / options_.release_tilt});
 }
 
 void MotionControl::update_shift(const ControlInput& in, std::span<const Vec3> forces, const Vec3& ahead, double falling,
@@ -150,25 +176,28 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
     out.wanted = problem_.solve(supports_, ws.p0, ws.F[0], lever_, 1e-4, forces);
     // 4. Free fall: the weight that neither the ground nor an assist below one body weight can carry
     const Vec3 ahead{in.q[0] - in.q_ref[0], in.q[1] - in.q_ref[1], in.q[2] - in.q_ref[2]};
-    const double falling = apply_free_fall(ahead, out.wanted, tau);
+    Vec3 gravity = options_.gravity;
+    const double falling = apply_free_fall(ahead, out.wanted, gravity, tau);
+    // 5. Root assist
+    const double wanted_size = std::sqrt(dot(out.wanted.v, out.wanted.v) + dot(out.wanted.w, out.wanted.w) / (lever_ * lever_));
+    const double cap = options_.assist_limit * weight_;
+    out.ratio = cap > 0 ? wanted_size / cap : wanted_size > 1e-9 * weight_ ? 1e9 : 0.0;
+    out.assist = out.wanted * (out.ratio > 1 ? 1 / out.ratio : 1.0);
+    if (out.ratio > 1) give_up(out.wanted - out.assist, gravity, tau);
     for (std::size_t c = 0; c < supports_.size(); ++c) {
       const Vec6 wrench{cross(supports_[c].p - ws.p0, forces[c]), forces[c]};
       for (const int f : dynamics::chain_of_link(ws, support_links_[c]))
         tau[static_cast<std::size_t>(f)] -= dot(ws.S[static_cast<std::size_t>(f)], wrench);
     }
     update_shift(in, forces, ahead, falling, state.shift);
-    // 5. Root assist
-    const double wanted_size = std::sqrt(dot(out.wanted.v, out.wanted.v) + dot(out.wanted.w, out.wanted.w) / (lever_ * lever_));
-    const double cap = options_.assist_limit * weight_;
-    out.ratio = cap > 0 ? wanted_size / cap : wanted_size > 1e-9 * weight_ ? 1e9 : 0.0;
-    state.overload += in.dt / options_.patience * (std::min(out.ratio, 10.0) - state.overload);
-    if (state.overload > 1) {
+    state.departure += in.dt / options_.patience * (calc_departure(in, ahead, state.shift) - state.departure);
+    if (state.departure > 1) {
       state.released = 1;
       out.released = true;
+      out.assist = {};
       for (double& t : tau) t = 0;
       return out;
     }
-    out.assist = out.wanted * (out.ratio > 1 ? 1 / out.ratio : 1.0);
     out.size_bw = std::min(wanted_size, cap) / weight_;
     for (std::size_t i = 0; i < root_dofs; ++i) tau[i] = 0;
   }

@@ -9,8 +9,10 @@
 //      and the joint torques transmit these forces.
 //   4. The part of the weight that the ground cannot carry accelerates the body: a character in the air flies and falls, and the root
 //      trajectory is shifted with it.
-//   5. The remaining wrench is the root assist, which is capped, applied and reported. If the wanted assist, averaged over `patience`,
-//      exceeds the cap, control is released: from then on there is no drive torque and no assist, and the character is a ragdoll.
+//   5. The remaining wrench is the root assist, which is capped, applied and reported. The part above the cap changes the acceleration of
+//      the root: all joints keep their wanted accelerations, and the root lags behind its reference.
+//   6. If the character has fallen or lost its reference on the average over `patience`, control is released: from then on there is no
+//      drive torque and no assist, and the character is a ragdoll.
 
 #include <span>
 #include <vector>
@@ -29,21 +31,29 @@ struct ControlOptions {
   double root_frequency = 20;     ///< rad/s: natural frequency of the errors of the root and of joints between root and loaded feet
   double joint_hold = 0.3;        ///< s/rad: servo gain of a load-bearing joint = joint_hold * strength^2 / (weight * lever); strength: N m
   double assist_limit = 0.5;      ///< body weights: cap of the root assist; moments are divided by MotionControl::lever()
-  double patience = 0.25;         ///< s: time constant of the averaged wanted assist, which decides the release of control
+  double patience = 0.25;         ///< s: time constant of the averaged departure from the reference, which decides the release of control
   double contact_margin = 0.005;  ///< m: only contacts that are closer than this, or that close within the step, can bear load
   double planted_height = 0.04;   ///< m: a point higher than this in the reference, relative to the contact, is not planted (bears no load)
   double planted_speed = 0.5;     ///< m/s: a point that rises faster than this in the reference is not planted
-  double lifting_speed = 0.05;    ///< m/s: the cost of load on a point is (1 + (its upward speed in the reference / lifting_speed)^2)^2
-  double sliding_speed = 0.8;     ///< m/s: a point that moves faster than this along the floor in the reference is not planted
-  double shift_time = 0.12;       ///< s: time constant with which the root trajectory is shifted towards the actual feet
-  double return_time = 2;         ///< s: time constant with which the shift decays
-  double fall_depth = 0.5;        ///< fraction of lever(): root depth below the reference at which free fall without support has faded out
-  Vec3 gravity{0, 0, -9.81};      ///< m/s^2, world
+  /// Cost of load on a point whose speed in the reference is `rise` upwards and `slide` along the floor:
+  /// (1 + (rise / lifting_speed)^2 + ((slide - sliding_speed) / slip_speed)^2)^2; negative terms in the inner brackets count as zero.
+  double lifting_speed = 0.05;  ///< m/s
+  double sliding_speed = 0.8;   ///< m/s: stance feet of walks move slower than this
+  double slip_speed = 0.1;      ///< m/s: a point that slides at 1.6 m/s bears load if no other point can
+  double sliding_limit =
+      3;  ///< m/s: a point that moves faster along the floor is not planted: a swinging foot, not one in stance or landing
+  double shift_time = 0.12;  ///< s: time constant with which the root trajectory is shifted towards the actual feet
+  double return_time = 2;    ///< s: time constant with which the shift decays
+  /// Fraction of lever(): depth of the root below the reference at which free fall without support has faded out. A root that is deeper, or
+  /// this far away from its shifted reference horizontally, has lost its reference.
+  double fall_depth = 0.5;
+  double release_tilt = 1;    ///< rad: a root that is tilted by more relative to its reference has lost it
+  Vec3 gravity{0, 0, -9.81};  ///< m/s^2, world
 };
 
 /// State of the controller between ticks. Plain data, so that it can be saved and restored.
 struct ControlState {
-  double overload = 0;          ///< moving average of wanted assist / cap; above 1 control is released
+  double departure = 0;         ///< moving average of the departure from the reference (calc_departure); above 1 control is released
   double shift[3] = {0, 0, 0};  ///< m, world: shift of the root trajectory relative to the reference, caused by foot positions or a fall
   std::uint64_t released = 0;   ///< 1: control is released; 0: active
 };
@@ -97,13 +107,22 @@ class MotionControl {
   void find_supports(const ControlInput& input, const Vec3& shift);
   /// Free fall: the part of the weight that the ground does not carry accelerates the body. Recomputes torques, reduces the missing wrench.
   /// @param ahead m, world: actual minus reference position of the root
+  /// @param gravity m/s^2, in and out: gravity minus the acceleration of the free fall, for inverse dynamics
   /// @return fraction of the weight that is left to gravity, 0 ... 1
-  double apply_free_fall(const Vec3& ahead, Vec6& missing, std::span<double> tau);
+  double apply_free_fall(const Vec3& ahead, Vec6& missing, Vec3& gravity, std::span<double> tau);
+  /// Changes the wanted acceleration of the root so that the character does without the wrench `lack`, and recomputes the torques. The
+  /// wanted accelerations of the joints stay the same, so the wrench accelerates the character as one rigid body.
+  void give_up(const Vec6& lack, const Vec3& gravity, std::span<double> tau);
   /// Updates the shift of the root's reference trajectory. The shift follows the mean offset of the loaded feet from their reference; in
   /// free fall it follows the root itself.
   /// @param ahead m, world: actual minus reference position of the root
   /// @param falling fraction of the weight that is left to gravity
   void update_shift(const ControlInput& input, std::span<const Vec3> forces, const Vec3& ahead, double falling, double (&shift)[3]) const;
+
+  /// Departure of the root from its reference: the maximum of depth, horizontal distance and tilt, each divided by its limit
+  /// (ControlOptions::fall_depth and release_tilt). The depth is relative to the reference itself, the distance to the shifted reference.
+  /// @param ahead m, world: actual minus reference position of the root
+  [[nodiscard]] double calc_departure(const ControlInput& in, const Vec3& ahead, const double (&shift)[3]) const;
 
   dynamics::Workspace workspace_, reference_;
   ContactForceProblem problem_;

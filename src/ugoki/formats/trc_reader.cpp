@@ -266,12 +266,29 @@ class Reader {
     }
     if (motion.frames > 1) {
       const double step = (times_.back() - times_.front()) / (motion.frames - 1);
-      if (step > 0 && std::fabs(step * motion.rate - 1) > 0.01)
+      if (step > 0 && std::fabs(step * motion.rate - 1) > 0.01) {
+        const double usual = steady_step();
         notes_.remarks.push_back("The times of the rows correspond to " + to_fixed(1 / step, 2) + " frames per second, but DataRate is " +
-                                 to_fixed(motion.rate, 2) + "; DataRate is assumed to be right.");
+                                 to_fixed(motion.rate, 2) +
+                                 (usual > 0 ? "; the times are assumed to be right." : "; DataRate is assumed to be right."));
+        if (usual > 0) motion.rate = 1 / usual;
+      }
       notes_.frame_time = step;
     }
     return true;
+  }
+
+  /// Median step of the rows' times, s; 0 if there are fewer than 10 times, or more than a tenth of the steps differ from the median by a
+  /// fifth (times with three decimals at 250 frames/s are rounded by an eighth).
+  [[nodiscard]] double steady_step() const {
+    if (times_.size() < 10) return 0;
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < times_.size(); ++i) steps.push_back(times_[i] - times_[i - 1]);
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    const double usual = *middle;
+    const auto others = std::ranges::count_if(steps, [&](double s) { return std::fabs(s - usual) > 0.2 * usual; });
+    return usual > 0 && 10 * static_cast<std::size_t>(others) <= steps.size() ? usual : 0;
   }
 
   Lines lines_;

@@ -94,7 +94,7 @@ void add_control(circuit::Library& library) {
   c.name = "motion control";
   c.doc =
       "Computes joint torques that make a character follow its reference on its own feet, and the root assist (an external force on the "
-      "root) for the rest. If the assist needed exceeds its limit for too long, the character is released and falls.";
+      "root) for the rest. A character that has fallen or lost its reference is released and becomes a ragdoll.";
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
               input_pin("reference", PinTypeId::motion, "", "Reference motion of the character at this tick."),
               input_pin("contacts", PinTypeId::contacts, "", "Contact points; those of the character with the ground support it.")};
@@ -110,12 +110,12 @@ void add_control(circuit::Library& library) {
                   number_parameter("tracking", usual.tracking, 0, 2, "", "Factor on the gains of the joints."),
                   number_parameter("balance", usual.balance, 0, 2, "", "Factor on the gains of the root."),
                   number_parameter("assist limit", usual.assist_limit, 0, 10, "body weights",
-                                   "Maximum root assist; if more is needed for too long, the character is released."),
+                                   "Maximum root assist; a character that needs more lags behind its reference."),
                   number_parameter("joint frequency", usual.joint_frequency, 0, 500, "rad/s", "Rate at which the error of a joint decays."),
                   number_parameter("root frequency", usual.root_frequency, 0, 500, "rad/s",
                                    "Rate at which the error of the root decays; also used for the joints that carry it."),
                   number_parameter("patience", usual.patience, 0.001, 100, "s",
-                                   "Averaging time of the wanted assist; a larger value delays the release.")};
+                                   "Averaging time of the departure from the reference; a larger value delays the release.")};
   c.configure = [](Setup& s) {
     const Character* character = character_of(s);
     if (!character) return;

@@ -22,7 +22,7 @@ export interface Control {
   balance: number;
   /** Cap of the root-assist wrench, body weights. */
   assist_limit: number;
-  /** Behaviour when the assist exceeds its cap: "release" switches control off. */
+  /** Behaviour when the character has fallen: "release" switches control off. */
   beyond: string;
 }
 

@@ -13,7 +13,7 @@ const closest_floats = 8;
 export const enum CharacterState {
   /** The controller follows the track. */
   tracking = 0,
-  /** The root assist exceeded its cap, so control was released: the character is a ragdoll. */
+  /** The character fell or lost its reference, so control was released: the character is a ragdoll. */
   released = 1,
   /** The character is a passive body without control. */
   passive = 2,
