@@ -13,6 +13,7 @@
 
 #include "osc.h"
 #include "page_session.h"
+#include "ugoki/base/printable.h"
 #include "ugoki/content/inputs.h"
 #include "ugoki/files/files.h"
 #include "ugoki/json/json.h"
@@ -32,9 +33,11 @@ struct Options {
   std::string out, inputs;
 };
 
+void print_json(const Json& value) { std::printf("%s\n", printable_json(json::to_text(value, 2)).c_str()); }
+
 int print_error(const Error& error, bool as_json) {
-  for (const Problem& p : error.problems) std::fprintf(stderr, "%s\n", p.text().c_str());
-  if (as_json) std::printf("%s\n", json::to_text(Json{{"error", json::error_json(error)}}, 2).c_str());
+  for (const Problem& p : error.problems) std::fprintf(stderr, "%s\n", printable(p.text()).c_str());
+  if (as_json) print_json({{"error", json::error_json(error)}});
   return 1;
 }
 
@@ -80,15 +83,10 @@ int run_headless(content::Player& player, const Options& o) {
   char hash[17];
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(player.state_hash()));
   if (o.as_json)
-    std::printf("%s\n", json::to_text(Json{{"name", content.name},
-                                           {"steps", player.step_count()},
-                                           {"time_s", player.time()},
-                                           {"frames", number},
-                                           {"state_hash", hash}},
-                                      2)
-                            .c_str());
+    print_json(
+        {{"name", content.name}, {"steps", player.step_count()}, {"time_s", player.time()}, {"frames", number}, {"state_hash", hash}});
   else
-    std::printf("%s: %.3f s in %llu steps, state %s\n", content.name.c_str(), player.time(),
+    std::printf("%s: %.3f s in %llu steps, state %s\n", printable(content.name).c_str(), player.time(),
                 static_cast<unsigned long long>(player.step_count()), hash);
   return 0;
 }
@@ -118,9 +116,9 @@ int run_page(content::Player player, std::string page, const Options& o) {
   if (o.as_json) {
     Json report = {{"address", address}, {"port", (*server)->port()}};
     if (osc) report["osc"] = osc->port();
-    std::printf("%s\n", json::to_text(report, 2).c_str());
+    print_json(report);
   } else {
-    std::printf("%s: %s (Ctrl+C ends the program)\n", name.c_str(), address.c_str());
+    std::printf("%s: %s (Ctrl+C ends the program)\n", printable(name).c_str(), address.c_str());
     if (osc) std::printf("OSC: UDP port %d of 127.0.0.1\n", osc->port());
   }
   std::fflush(stdout);
@@ -158,6 +156,8 @@ int main(int argc, char** argv) {
   app.add_flag("--no-open", o.no_open, "Print the page's address, but do not open the browser");
   app.add_flag("--json", o.as_json, "Print one JSON object");
   app.footer("Example:\n  ./walk --headless --frames 600 --out walk.frames");
+  app.failure_message(
+      [](const CLI::App*, const CLI::Error& error) { return printable(error.what()) + "\nRun with --help for more information.\n"; });
   CLI11_PARSE(app, argc, argv);
 
   const Result<std::span<const std::byte>> program = map_program();

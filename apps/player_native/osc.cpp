@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "ugoki/base/number.h"
+#include "ugoki/base/printable.h"
 #include "ugoki/json/json.h"
 
 namespace ugoki::player_native {
@@ -214,7 +215,7 @@ void OscReceiver::run() {
     if (size < 0) continue;
     const circuit::DeviceState before = state;
     if (const Result<void> done = apply_osc(std::span(packet).first(static_cast<std::size_t>(size)), state); !done)
-      std::fprintf(stderr, "%s\n", done.error().text().c_str());
+      std::fprintf(stderr, "%s\n", printable(done.error().text()).c_str());
     if (!(state == before)) changed_(input_json(state, state.mouse.wheel - before.mouse.wheel));
   }
 }

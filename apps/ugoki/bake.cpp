@@ -170,8 +170,9 @@ std::string shell_quoted(const std::string& word) {
   return out + "'";
 }
 
-/// Writes the job scripts of --slurm and submits them with sbatch: an array with one task for each part, then the merge.
-int submit(const Options& o) {
+/// Writes the job scripts of --slurm, unless they would overwrite other files, and submits them with sbatch: an array with one task for
+/// each part, then the merge.
+int submit(const Options& o, const std::vector<NamedFile>& inputs, std::vector<NamedFile> outputs) {
   std::error_code ec;
   const std::string program = fs::read_symlink("/proc/self/exe", ec).string();
   const bool server = store::is_postgres(o.table);
@@ -199,6 +200,11 @@ int submit(const Options& o) {
     merge += shell_quoted(fs::absolute(o.table).string()) + " --jobs 1";
     for (int i = 0; i < o.slurm; ++i) merge += " --merge " + shell_quoted(stem + ".part" + std::to_string(i) + ".db");
     merge += '\n';
+  }
+  for (const std::string& name : {stem + ".slurm", stem + ".merge.slurm"}) {
+    outputs.push_back({"a script of --slurm", name});
+    if (Result<void> may = check_outputs(inputs, outputs); !may) return print_error(may.error(), o.json);
+    if (Result<void> may = check_derived(name, "#SBATCH --job-name=ugoki-"); !may) return print_error(may.error(), o.json);
   }
   for (const auto& [name, text] : {std::pair{stem + ".slurm", array}, {stem + ".merge.slurm", merge}})
     if (Result<void> done = files::write_file(name, text); !done) return print_error(done.error(), o.json);
@@ -238,8 +244,9 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
   std::vector<NamedFile> inputs = input_files(o.targets, o.source);
   for (const std::string& path : merges) inputs.push_back({"--merge", path});
   const std::string table_file = store::is_postgres(o.table) ? "" : o.table;
-  if (Result<void> may = check_outputs(inputs, {{"--table", table_file}, {"--csv", o.csv}}); !may) return print_error(may.error(), o.json);
-  if (o.slurm > 0) return submit(o);
+  const std::vector<NamedFile> outputs = {{"--table", table_file}, {"--csv", o.csv}};
+  if (Result<void> may = check_outputs(inputs, outputs); !may) return print_error(may.error(), o.json);
+  if (o.slurm > 0) return submit(o, inputs, outputs);
   std::vector<SceneSource> sources;
   for (const std::string& target : o.targets) {
     Result<SceneSource> source = load_scene(target, o.source, 0.002);

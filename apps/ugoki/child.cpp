@@ -109,20 +109,6 @@ bool Child::wait() {
   return pid_ < 0 && status_ == 0;
 }
 
-Scratch::~Scratch() {
-  std::error_code ec;
-  if (!folder.empty()) fs::remove_all(folder, ec);
-}
-
-Result<std::unique_ptr<Scratch>> make_scratch(const char* prefix) {
-  std::string folder = (fs::temp_directory_path() / (std::string(prefix) + "-XXXXXX")).string();
-  if (!::mkdtemp(folder.data()))
-    return fail(ErrorCode::io, folder, "A temporary folder cannot be made.", "Check the folder of temporary files.");
-  auto out = std::make_unique<Scratch>();
-  out->folder = folder;
-  return out;
-}
-
 std::string tail_of(const fs::path& log) {
   const Result<std::string> text = files::read_file(log.string());
   if (!text || text->empty()) return "";

@@ -42,17 +42,6 @@ class Child {
   int status_ = -1;
 };
 
-/// A temporary folder that is removed with all its files.
-struct Scratch {
-  std::filesystem::path folder;
-  Scratch() = default;
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  ~Scratch();
-};
-/// Makes a temporary folder. @param prefix beginning of the folder's name
-[[nodiscard]] Result<std::unique_ptr<Scratch>> make_scratch(const char* prefix);
-
 /// Returns the last 400 bytes of a log as a sentence that can be appended to an error message; empty if the log is empty.
 [[nodiscard]] std::string tail_of(const std::filesystem::path& log);
 

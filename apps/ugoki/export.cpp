@@ -40,6 +40,12 @@ struct Options {
         {"--csv", csv},          {"--mjcf", mjcf},          {"--urdf", urdf},       {"--fbx", fbx}, {"--abc", abc}, {"--png", pictures.png},
         {"--mp4", pictures.mp4}, {"--webm", pictures.webm}, {"--gif", pictures.gif}};
   }
+  /// The files that this verb reads.
+  [[nodiscard]] std::vector<NamedFile> inputs_read() const {
+    std::vector<NamedFile> out = input_files(target, source);
+    out.push_back({"--inputs", inputs});
+    return out;
+  }
   [[nodiscard]] bool wants_take() const {
     return !glb.empty() || !usda.empty() || !csv.empty() || !mjcf.empty() || !urdf.empty() || !fbx.empty() || !abc.empty();
   }
@@ -106,8 +112,11 @@ Result<void> write_embed(const Options& o, const std::string& name, std::span<co
       '-');
   file += ".ugx";
   const fs::path folder = o.embed;
-  if (Result<void> may = check_outputs(input_files(o.target, o.source), {{"a file in --embed", (folder / file).string()}}); !may)
-    return may;
+  std::vector<NamedFile> outputs;
+  for (const std::string& each : {std::string("ugoki-player.js"), file, std::string("index.html")})
+    outputs.push_back({"a file in --embed", (folder / each).string()});
+  if (Result<void> may = check_outputs(o.inputs_read(), outputs); !may) return may;
+  if (Result<void> may = check_derived((folder / "index.html").string(), "<ugoki-player"); !may) return may;
   if (Result<void> done = write(report, "script", (folder / "ugoki-player.js").string(), *script); !done) return done;
   if (Result<void> done = write(report, "ugx", (folder / file).string(), ugx); !done) return done;
   const std::string page =
@@ -155,8 +164,9 @@ Result<void> write_robot(const publish::Take& take, const Options& o, const char
                                             : robot_formats::write_urdf(*chosen->mechanism, file.stem().string(), motion);
   for (const robot_formats::SideFile& extra : text.files) {
     const std::string beside = (file.parent_path() / extra.name).string();
-    if (Result<void> may = check_outputs(input_files(o.target, o.source), {{"a file beside --" + std::string(kind), beside}}); !may)
-      return may;
+    std::vector<NamedFile> outputs = o.outputs();
+    outputs.push_back({"a file beside --" + std::string(kind), beside});
+    if (Result<void> may = check_outputs(o.inputs_read(), outputs); !may) return may;
     if (Result<void> done = write(report, kind, beside, extra.text); !done) return done;
   }
   if (!o.json)
@@ -165,11 +175,11 @@ Result<void> write_robot(const publish::Take& take, const Options& o, const char
 }
 
 int run_export(Options o) {
-  std::vector<NamedFile> read = input_files(o.target, o.source);
-  read.push_back({"--inputs", o.inputs});
-  if (Result<void> may = check_outputs(read, o.outputs()); !may) return print_error(may.error(), o.json);
+  if (Result<void> may = check_outputs(o.inputs_read(), o.outputs()); !may) return print_error(may.error(), o.json);
   Result<ExecutableSource> source = load_executable(o.target, o.source);
   if (!source) return print_error(source.error(), o.json);
+  // Again, because only now the files are known to which the input refers.
+  if (Result<void> may = check_outputs(o.inputs_read(), o.outputs()); !may) return print_error(may.error(), o.json);
   const std::span<const std::byte> ugx = source->ugx;
   const std::string title = o.title.empty() ? source->name : o.title;
   std::vector<Written> report;
@@ -201,7 +211,12 @@ int run_export(Options o) {
         o.picture.rate = o.take_rate;
         o.picture.duration = o.duration;
         o.picture.inputs = inputs;
-        const Result<std::vector<std::string>> drawn = export_pictures(*page, source->name, ugx, o.picture, o.pictures);
+        const auto check = [&](const std::vector<std::string>& pictures) {
+          std::vector<NamedFile> others = o.outputs();
+          std::erase_if(others, [](const NamedFile& f) { return f.option == "--png"; });
+          return check_pictures(o.inputs_read(), others, pictures);
+        };
+        const Result<std::vector<std::string>> drawn = export_pictures(*page, source->name, ugx, o.picture, o.pictures, check);
         if (!drawn) return fail(drawn.error());
         std::error_code ec;
         for (const std::string& file : *drawn) report.push_back({"picture", file, fs::file_size(file, ec)});

@@ -2,6 +2,7 @@
 // Options and parts of `ugoki export`.
 
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,10 +38,11 @@ struct PictureOutputs {
                                                const std::string& blender);
 
 /// Draws the content in a headless browser and writes the outputs. Ctrl+C ends the export and leaves no incomplete file.
-/// @param page text of player.html
+/// @param page text of player.html @param check called once with the paths of the pictures of --png, before anything is drawn
 /// @return paths of the files written
 [[nodiscard]] Result<std::vector<std::string>> export_pictures(const std::string& page, const std::string& name,
                                                                std::span<const std::byte> ugx, const PictureOptions& options,
-                                                               const PictureOutputs& outputs);
+                                                               const PictureOutputs& outputs,
+                                                               const std::function<Result<void>(const std::vector<std::string>&)>& check);
 
 }  // namespace ugoki::cli

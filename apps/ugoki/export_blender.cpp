@@ -4,6 +4,7 @@
 #include "export.h"
 #include "output.h"
 #include "ugoki/files/files.h"
+#include "ugoki/files/temporary_folder.h"
 
 #include <unistd.h>
 
@@ -45,9 +46,9 @@ Result<void> export_with_blender(std::span<const std::byte> glb, double rate, co
   const Result<std::string> program =
       find_program(blender, {"blender"}, "Install Blender (`apt-get install blender`), or name it with --blender.");
   if (!program) return fail(program.error());
-  const Result<std::unique_ptr<Scratch>> scratch = make_scratch("ugoki-blender");
+  const Result<files::TemporaryFolder> scratch = files::TemporaryFolder::make("blender", "temporary folder");
   if (!scratch) return fail(scratch.error());
-  const fs::path& folder = (*scratch)->folder;
+  const fs::path folder = scratch->path();
   const bool alembic = fs::path(file).extension() == ".abc";
   const std::string source = (folder / "content.glb").string(), code = (folder / "write.py").string(),
                     written = (folder / (alembic ? "content.abc" : "content.fbx")).string(), log = (folder / "blender.log").string();

@@ -18,6 +18,7 @@
 #include "ugoki/base/number.h"
 #include "ugoki/content/executable.h"
 #include "ugoki/files/files.h"
+#include "ugoki/files/temporary_folder.h"
 #include "ugoki/publish/page.h"
 #include "ugoki/studio/launch_page.h"
 #include "ugoki/studio/security.h"
@@ -127,7 +128,8 @@ struct Video {
 }  // namespace
 
 Result<std::vector<std::string>> export_pictures(const std::string& page, const std::string& name, std::span<const std::byte> ugx,
-                                                 const PictureOptions& o, const PictureOutputs& outputs) {
+                                                 const PictureOptions& o, const PictureOutputs& outputs,
+                                                 const std::function<Result<void>(const std::vector<std::string>&)>& check) {
   const Result<content::Executable> content = content::read_executable(ugx, name);
   if (!content) return fail(content.error());
   const double rate = o.rate > 0 ? o.rate : content->frame_rate;
@@ -152,6 +154,10 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   if ((!outputs.mp4.empty() || !outputs.webm.empty()) && (o.width % 2 != 0 || o.height % 2 != 0))
     return fail(ErrorCode::range, "--size", "Width and height of a video must be even.", "Give, for example, --size 1280x720.");
 
+  std::vector<std::string> pictures;  // the paths of the pictures of --png
+  for (int i = 0; !outputs.png.empty() && i < count; ++i) pictures.push_back(single ? outputs.png : numbered(outputs.png, i));
+  if (Result<void> may = check(pictures); !may) return fail(std::move(may.error()));
+
   const Result<std::string> browser = find_program(o.browser, {"chromium", "chromium-browser", "google-chrome", "google-chrome-stable"},
                                                    "Install Chromium (`apt-get install chromium`), or name a browser with --browser.");
   if (!browser) return fail(browser.error());
@@ -165,9 +171,9 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   const Result<std::string> filled = publish::make_page(page, name, ugx, publish::PageEngine::pictures);
   if (!filled) return fail(filled.error());
 
-  const Result<std::unique_ptr<Scratch>> scratch = make_scratch("ugoki-pictures");
+  const Result<files::TemporaryFolder> scratch = files::TemporaryFolder::make("pictures", "temporary folder");
   if (!scratch) return fail(scratch.error());
-  const fs::path& folder = (*scratch)->folder;
+  const fs::path folder = scratch->path();
   catch_interrupt();
   std::signal(SIGPIPE, SIG_IGN);
 
@@ -313,7 +319,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
                     "Give a smaller --size, or another browser with --browser.");
     }
     if (!outputs.png.empty()) {
-      const std::string file = single ? outputs.png : numbered(outputs.png, i);
+      const std::string& file = pictures[static_cast<std::size_t>(i)];
       if (Result<void> done = files::write_file(file, picture.png); !done) return fail(std::move(done.error()));
       written.push_back(file);
     }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -210,6 +211,7 @@ int run_list(const Options& o) {
   const std::vector<plugin::ShelfEntry> shelf = plugin::read_shelf(shelf_of(o), &problems);
   if (!problems.empty()) print_error(problems, false);
   Json libraries = Json::array(), classes = Json::array();
+  std::set<std::string> damaged;  // names of libraries whose copy on the shelf is missing or changed
   for (const plugin::ShelfEntry& e : shelf) {
     Json own = Json::array();
     for (const circuit::LsiClass& c : e.classes) {
@@ -223,6 +225,12 @@ int run_list(const Options& o) {
                          {"file", e.file},
                          {"source", e.source},
                          {"classes", own}});
+    const Result<void> intact = plugin::check_library_file(e.file, e.hash);
+    libraries.back()["intact"] = intact.has_value();
+    if (!intact) {
+      damaged.insert(e.name);
+      print_error(intact.error(), false);
+    }
   }
   Json built_in = Json::array();
   if (o.all)
@@ -234,7 +242,9 @@ int run_list(const Options& o) {
     return 0;
   }
   if (shelf.empty()) print_line("No library is installed in " + shelf_of(o) + ". Create one with: ugoki lsi new NAME");
-  for (const plugin::ShelfEntry& e : shelf) print_line(e.name + (e.version.empty() ? "" : " " + e.version) + "  SHA-256 " + e.hash);
+  for (const plugin::ShelfEntry& e : shelf)
+    print_line(e.name + (e.version.empty() ? "" : " " + e.version) + "  SHA-256 " + e.hash +
+               (damaged.contains(e.name) ? "  (the file is missing or changed, and is not loaded)" : ""));
   if (!classes.empty()) print_classes(classes);
   if (o.all) print_classes(built_in);
   return 0;

@@ -23,9 +23,13 @@ Result<std::vector<std::string>> write_mechanism_file(const Mechanism& mechanism
   else
     return fail(ErrorCode::unsupported, path, "Mechanisms cannot be written to files with this extension.",
                 "Name a .json, .urdf or .xml (MJCF) file.");
+  // All files are checked before the first one is written.
+  std::vector<NamedFile> outputs = {{"the output", path}};
+  for (const robot_formats::SideFile& extra : out.files)
+    outputs.push_back({"a file beside the output", (file.parent_path() / extra.name).string()});
+  if (Result<void> may = check_outputs({}, outputs); !may) return fail(std::move(may.error()));
   for (const robot_formats::SideFile& extra : out.files) {
     const std::string location = (file.parent_path() / extra.name).string();
-    if (Result<void> may = check_outputs({}, {{"a file beside the output", location}}); !may) return fail(std::move(may.error()));
     if (Result<void> done = files::write_file(location, extra.text); !done) return fail(std::move(done.error()));
     out.notes.push_back("Additional file: " + extra.name + ".");
   }

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
+#include "ugoki/files/files.h"
 #include "ugoki/project/project_file.h"
 #include "ugoki/store/library_schema.h"
 
@@ -42,7 +44,14 @@ const char* kind_of_database(const std::string& path) {
                                                         : nullptr;
 }
 
+std::set<std::string>& noted_files() {
+  static std::set<std::string> files;
+  return files;
+}
+
 }  // namespace
+
+void note_read(const std::string& path) { noted_files().insert(path); }
 
 Result<void> check_outputs(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs) {
   std::error_code none;
@@ -54,6 +63,11 @@ Result<void> check_outputs(const std::vector<NamedFile>& inputs, const std::vect
         return fail(ErrorCode::conflict, out.path,
                     "The output is an input file: " + out.option + " would overwrite " + in.path + " (" + in.option + ").",
                     "Name another file for the output.");
+    for (const std::string& read : noted_files())
+      if (fs::exists(read, none) && same_file(read, out.path))
+        return fail(ErrorCode::conflict, out.path,
+                    "The output is a file of the input: " + out.option + " would overwrite " + read + ", which the input uses.",
+                    "Choose another name or folder for the output.");
     for (std::size_t k = 0; k < i; ++k)
       if (!outputs[k].path.empty() && same_file(outputs[k].path, out.path))
         return fail(
@@ -65,6 +79,32 @@ Result<void> check_outputs(const std::vector<NamedFile>& inputs, const std::vect
                   "Name another file for the output, or remove this one first.");
   }
   return {};
+}
+
+Result<void> check_pictures(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& others,
+                            const std::vector<std::string>& pictures) {
+  std::error_code none;
+  const auto whole = [&](const std::string& path) { return fs::absolute(path, none).lexically_normal().string(); };
+  std::set<std::string> named;
+  for (const NamedFile& other : others)
+    if (!other.path.empty()) named.insert(whole(other.path));
+  std::vector<NamedFile> outputs = others;
+  outputs.push_back({"a picture of --png", ""});
+  for (const std::string& picture : pictures) {
+    if (!fs::exists(picture, none) && !named.contains(whole(picture))) continue;
+    outputs.back().path = picture;
+    if (Result<void> may = check_outputs(inputs, outputs); !may) return may;
+  }
+  return {};
+}
+
+Result<void> check_derived(const std::string& path, std::string_view mark) {
+  std::error_code none;
+  if (!fs::exists(path, none)) return {};
+  const Result<std::string> text = files::read_regular_file(path);
+  if (text && text->find(mark) != std::string::npos) return {};
+  return fail(ErrorCode::conflict, path, "The file exists and was not written by Ugoki; this command would overwrite " + path + ".",
+              "Choose another name or folder for the output, or remove the file first.");
 }
 
 std::vector<NamedFile> input_files(const std::string& target, const SourceOptions& options) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "output_files.h"
 #include "ugoki/files/files.h"
 
 namespace ugoki::cli {
@@ -15,6 +16,7 @@ constexpr std::size_t max_asset = std::size_t{1} << 28;
 Result<std::string> read_asset(const std::string& path) {
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return fail(ErrorCode::io, path, "The file does not exist.");
+  note_read(path);
   return files::read_file(path, max_asset);
 }
 
@@ -26,7 +28,9 @@ Result<std::optional<SideFile>> find_loops_file(const std::string& path) {
     if (!fs::is_regular_file(loops_path, ignored)) continue;
     Result<std::string> text = files::read_file(loops_path, max_asset);
     if (!text) return fail(std::move(text.error()));
-    if (text->find("closed_loop") != std::string::npos) return SideFile{loops_path, std::move(*text)};
+    if (text->find("closed_loop") == std::string::npos) continue;
+    note_read(loops_path);
+    return SideFile{loops_path, std::move(*text)};
   }
   return std::nullopt;
 }

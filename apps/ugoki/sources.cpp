@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "output.h"
+#include "output_files.h"
 #include "ugoki/files/files.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
@@ -157,7 +158,9 @@ Result<intake::Intake> take_in_mapped(const std::string& path, const SourceOptio
       if (relative.is_absolute() || relative.begin() == relative.end() || *relative.begin() == "..")
         return fail(ErrorCode::unsupported, path, "Its buffer '" + std::string(uri) + "' is outside the file's folder.",
                     "Copy it to the folder of the file.");
-      Result<std::string> text = files::read_file((fs::path(path).parent_path() / relative).string());
+      const std::string buffer = (fs::path(path).parent_path() / relative).string();
+      note_read(buffer);
+      Result<std::string> text = files::read_file(buffer);
       if (!text) return fail(std::move(text.error()));
       const auto* p = reinterpret_cast<const std::byte*>(text->data());
       return std::vector<std::byte>(p, p + text->size());

@@ -186,6 +186,22 @@ TEST(Capture, CancelledWorkEndsBeforeTheNextFrame) {
   }
 }
 
+TEST(Capture, CalibrationIsCancellableAndBounded) {
+  const auto calls_for = [](const MarkerMotion& motion) {
+    int calls = 0;
+    EXPECT_TRUE(solve_markers(motion, {.cutoff = -1, .cancelled = [&] { return ++calls < 0; }}));
+    return calls;
+  };
+  const Known k = make_known(human_markers(), 1.05, 4, 0.006);
+  EXPECT_GT(calls_for(k.markers), k.markers.frames + 40) << "one call for each of 40 frames and each round of the calibration";
+  // A damaged file, whose numbers are read in a wrong format: the positions are random.
+  MarkerMotion damaged = k.markers;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> within(-1, 1);
+  for (Vec3& x : damaged.positions) x = {within(random), within(random), within(random)};
+  EXPECT_LT(calls_for(damaged), 1000 + 3 * k.markers.frames);
+}
+
 /// Maximum distance [m] of a marker's filled positions from the true ones.
 double max_error(const FilledMarkers& filled, const MarkerMotion& truth, const std::string& label) {
   double out = 0;

@@ -1,8 +1,12 @@
 // `ugoki lsi` and `ugoki circuit` on the command line.
 
 #include <pty.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include <csignal>
+#include <sstream>
 
 #include "shelf_test.h"
 
@@ -238,6 +242,62 @@ TEST_F(LsiCliTest, TextOfAnLsiDoesNotMixWithJson) {
   ASSERT_FALSE(answer.is_discarded()) << ran.out;
   EXPECT_EQ(answer["outputs"]["it.out"], 2);
   EXPECT_NE(ran.err.find("{running}"), std::string::npos);
+}
+
+TEST_F(LsiCliTest, ListMarksChangedAndMissingCopies) {
+  for (const char* name : {"good", "changed", "missing"}) {
+    const Json built = json({"lsi", "build", write(std::string(name) + ".c", "double f(double x) { return x; }\n")});
+    json({"lsi", "install", built["output"], "--yes"});
+  }
+  for (const auto& file : fs::directory_iterator(folder_ + "/shelf")) {
+    const std::string name = file.path().filename().string();
+    if (name.starts_with("changed-")) std::ofstream(file.path(), std::ios::app) << "x";
+    if (name.starts_with("missing-")) fs::remove(file.path());
+  }
+  const Output listed = ugoki({"lsi", "list"});
+  EXPECT_EQ(listed.status, 0);
+  EXPECT_NE(listed.err.find("The file has changed since it was installed"), std::string::npos) << listed.err;
+  EXPECT_NE(listed.err.find("The file does not exist"), std::string::npos) << listed.err;
+  std::istringstream lines(listed.out);
+  int marked = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find("SHA-256") == std::string::npos) continue;
+    const bool mark = line.find("missing or changed") != std::string::npos;
+    EXPECT_EQ(mark, !line.starts_with("good")) << line;
+    marked += mark;
+  }
+  EXPECT_EQ(marked, 2) << listed.out;
+  const Output as_json = ugoki({"lsi", "list", "--json"});
+  for (const Json& library : Json::parse(as_json.out)["libraries"]) EXPECT_EQ(library["intact"], library["name"] == "good");
+}
+
+TEST_F(LsiCliTest, PipesOnTheShelfAreReportedAndNotWaitedFor) {
+  const Json built = json({"lsi", "build", write("good.c", "double f(double x) { return x; }\n")});
+  json({"lsi", "install", built["output"], "--yes"});
+  const std::string pipe = folder_ + "/shelf/pipe.json";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const Output listed = ugoki({"lsi", "list"});
+  EXPECT_NE(listed.err.find(pipe + ": This is a pipe, not a file."), std::string::npos) << listed.err;
+  EXPECT_NE(listed.out.find("good"), std::string::npos);
+  ASSERT_EQ(::mkfifo((folder_ + "/pipe.so").c_str(), 0600), 0);
+  fails({"lsi", "install", folder_ + "/pipe.so", "--yes"}, "This is a pipe, not a file.");
+}
+
+TEST_F(LsiCliTest, BuildThatIsKilledLeavesNoFolder) {
+  const std::string temporary = folder_ + "/tmp";
+  fs::create_directory(temporary);
+  const std::string compiler = write("slow", "#!/bin/sh\nsleep 1000\n");
+  fs::permissions(compiler, fs::perms::owner_all);
+  const std::string source = write("good.c", "double f(double x) { return x; }\n");
+  const std::vector<std::string> environment = {"UGOKI_LSI=" + folder_ + "/shelf", "TMPDIR=" + temporary};
+  const pid_t build = start_program({"lsi", "build", source, "--compiler", compiler}, environment);
+  const auto folders = [&] { return std::distance(fs::directory_iterator(temporary), fs::directory_iterator()); };
+  for (int i = 0; i < 1000 && folders() == 0; ++i) ::usleep(10'000);
+  ::kill(build, SIGINT);
+  wait_for(build);
+  ASSERT_EQ(folders(), 1);
+  EXPECT_EQ(run_program({"lsi", "build", source}, environment).status, 0);
+  EXPECT_EQ(folders(), 0);
 }
 
 TEST_F(LsiCliTest, WritableGlobalsAreWarnedOf) {

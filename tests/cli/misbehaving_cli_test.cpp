@@ -1,4 +1,5 @@
-// 43 misbehaving LSIs in `ugoki lsi test` and `ugoki circuit run`: the message names each LSI, and the exit status is 1.
+// Misbehaving LSIs (tests/plugin/misbehaving.h) in `ugoki lsi test` and `ugoki circuit run`: the message names each LSI, and the exit
+// status is 1.
 
 #include <signal.h>
 #include <unistd.h>

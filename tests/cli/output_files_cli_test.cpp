@@ -94,6 +94,68 @@ TEST_F(OutputFilesCliTest, TwoOutputsHaveTwoFiles) {
   }
 }
 
+TEST_F(OutputFilesCliTest, NumberedPicturesOverwriteNothing) {
+  const std::string bvh = walk("f03.bvh"), parts = fs::path(write("parts/player.html", "")).parent_path();
+  does({"new", path("p2.ugoki")});
+  for (const auto& [pattern, more] : {std::pair<std::string, std::vector<std::string>>{"f%02d.bvh", {}},
+                                      {"p%d.ugoki", {}},
+                                      {"v%d.mp4", {"--mp4", path("v1.mp4")}},
+                                      {"t%d.csv", {"--csv", path("./t4.csv")}}}) {
+    SCOPED_TRACE(pattern);
+    std::vector<std::string> arguments = {"export", bvh, "--player", parts, "--png", path(pattern)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    fails(arguments, "would overwrite");
+  }
+}
+
+TEST_F(OutputFilesCliTest, ScriptsOfSlurmOverwriteNothing) {
+  const std::string bvh = walk();
+  const auto bake = [&](const std::string& table) {
+    return std::vector<std::string>{"bake", bvh, "--duration", "0.01", "--table", path(table), "--slurm", "2", "--dry-run"};
+  };
+  fails(bake("b.slurm"), "would overwrite");
+  does(bake("b.db"));
+  does(bake("b.db"));  // Ugoki's own scripts are replaced
+  write("own.merge.slurm", "#!/bin/bash\n#SBATCH --job-name=mine\n");
+  fails(bake("own.db"), "would overwrite");
+}
+
+TEST_F(OutputFilesCliTest, FilesThatTheInputUsesAreNotOverwritten) {
+  const std::string robot =
+      write("r.sdf", R"(<?xml version="1.0"?><sdf version="1.7"><model name="r"><link name="a"><inertial><mass>1</mass>
+    <inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial><collision name="c"><geometry><mesh><uri>r_mesh1.obj</uri></mesh>
+    </geometry></collision></link></model></sdf>)");
+  write("r_mesh1.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  fails({"convert", robot, path("r.urdf")}, "would overwrite");
+  fails({"mechanism", "mirror", robot, "-o", path("r.urdf")}, "would overwrite");
+  does({"convert", robot, path("other.urdf")});
+  EXPECT_TRUE(fs::exists(path("other_mesh1.obj")));
+}
+
+TEST_F(OutputFilesCliTest, PageOfAFolderIsNotOverwrittenByEmbed) {
+  const std::string parts = fs::path(write("parts/player.html", "")).parent_path(), bvh = walk();
+  write("parts/ugoki-player.js", "");
+  write("site/index.html", "<p>My page</p>");
+  fails({"export", bvh, "--player", parts, "--embed", path("site")}, "would overwrite");
+  does({"export", bvh, "--player", parts, "--embed", path("new")});
+  does({"export", bvh, "--player", parts, "--embed", path("new")});
+}
+
+TEST_F(OutputFilesCliTest, NamesOfNativeProgramsDoNotActOnTheTerminal) {
+  const std::string bvh = walk("evil\x1b[31m\u202e.bvh"), program = path("program");
+  const std::string page = R"(<html lang="en"><title>@UGOKI_TITLE@</title><script id="ugoki-engine"></script>@UGOKI_CONTENT@</html>)";
+  const fs::path parts = fs::path(write("parts/player.html", page)).parent_path();
+  fs::copy_file(UGOKI_NATIVE_PLAYER, parts / "ugoki_player");
+  does({"export", bvh, "--player", parts.string(), "--native", program});
+  for (const std::string more : {"--steps 1", "--steps 1 --json", "--steps 1 --inputs $'no\x1b[31m'", "$'--no\x1b[31m'"}) {
+    const std::string out = path("out.txt");
+    (void)std::system(("bash -c \"" + program + " --headless " + more + "\" > " + out + " 2>&1").c_str());
+    const std::string text = read(out);
+    EXPECT_FALSE(text.empty()) << more;
+    EXPECT_TRUE(is_plain(text)) << more << "\n" << Json(text).dump();
+  }
+}
+
 TEST_F(OutputFilesCliTest, TablesOfSweepsAreContinued) {
   const std::vector<std::string> bake = {"bake", walk(), "--duration", "0.01", "--table", path("b.db"), "--csv", path("b.csv")};
   does(bake);

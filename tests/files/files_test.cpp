@@ -3,10 +3,12 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +16,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <thread>
+
+#include "ugoki/files/temporary_folder.h"
 
 namespace ugoki::files {
 namespace {
@@ -108,6 +112,60 @@ TEST_F(Files, DevicesAndSocketsAreNotRead) {
   expect_refused(write_file(path("socket"), "x"), path("socket"));
   EXPECT_TRUE(fs::is_socket(path("socket")));
   ::close(fd);
+}
+
+TEST_F(Files, RegularFilesAreReadAndPipesAreNotWaitedFor) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  expect_refused(read_regular_file(path("pipe")), path("pipe"));
+  ASSERT_TRUE(write_file(path("file"), "12345").has_value());
+  EXPECT_EQ(*read_regular_file(path("file")), "12345");
+}
+
+TEST_F(Files, TemporaryFoldersOfEndedProcessesAreRemoved) {
+  ::setenv("TMPDIR", folder_.c_str(), 1);
+  const auto made_by_child = [&](bool wait) {  // makes a folder in a child process, which ends without its destructor, or waits
+    int ends[2];
+    EXPECT_EQ(::pipe(ends), 0);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      const auto folder = TemporaryFolder::make("child", "here");
+      (void)write_file(folder->path() + "/file", "x");
+      (void)!::write(ends[1], "x", 1);
+      while (wait) ::pause();
+      ::_exit(0);
+    }
+    char byte;
+    EXPECT_EQ(::read(ends[0], &byte, 1), 1);
+    ::close(ends[0]);
+    ::close(ends[1]);
+    if (!wait) ::waitpid(child, nullptr, 0);
+    return child;
+  };
+  const pid_t alive = made_by_child(true), ended = made_by_child(false);
+  for (const char* other : {"ugoki-child", "ugoki-child-x-AAAAAA", "other-child-1-AAAAAA"}) fs::create_directory(path(other));
+  const std::string locked = path("ugoki-child-" + std::to_string(ended) + "-AAAAAA");  // in use by a process of another container
+  fs::create_directory(locked);
+  const int fd = ::open(locked.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(::flock(fd, LOCK_EX), 0);
+  EXPECT_EQ(entries(), 6U);
+  std::string own;
+  {
+    const auto folder = TemporaryFolder::make("own", "here");
+    ASSERT_TRUE(folder.has_value());
+    own = folder->path();
+    EXPECT_TRUE(fs::is_directory(own));
+    EXPECT_EQ(entries(), 6U) << "the folder of the ended process was removed, and one was added";
+    EXPECT_TRUE(fs::exists(locked));
+  }
+  EXPECT_FALSE(fs::exists(own));
+  ::kill(alive, SIGKILL);
+  ::waitpid(alive, nullptr, 0);
+  ::close(fd);
+  (void)TemporaryFolder::make("own", "here");
+  EXPECT_EQ(entries(), 3U) << "only the folders with other names remain";
+  ::setenv("TMPDIR", path("none").c_str(), 1);
+  expect_refused(TemporaryFolder::make("own", "here"), "here");
+  ::unsetenv("TMPDIR");
 }
 
 TEST_F(Files, PipesAndDevicesAreWrittenIntoAndStay) {

@@ -1,12 +1,14 @@
 // Foreign code that ends, stops or damages the guarded process without a crash report of its own. Each case must be an error that names the
 // LSI, and must not hang the parent.
 
+#include <signal.h>
 #include <unistd.h>
 
 #include <chrono>
 
 #include "plugin_test.h"
 #include "ugoki/plugin/guard.h"
+#include "ugoki/plugin/guard_block.h"
 #include "ugoki/plugin/run_program.h"
 
 namespace ugoki::plugin {
@@ -26,6 +28,8 @@ double forks(double x) { if (fork() == 0) { if (fork() == 0) sleep(1000); sleep(
 static void* fault(void* p) { *(volatile int*)0 = 1; return p; }
 double threads(double x) { pthread_t t; pthread_create(&t, 0, fault, 0); return x; }
 double joined(double x) { pthread_t t; pthread_create(&t, 0, fault, 0); pthread_join(t, 0); return x; }
+double signals_parent(double x) { kill(getppid(), SIGUSR1); return x; }
+double tests_parent(double x) { return kill(getppid(), 0) == 0 ? x : 0 / x; }
 double fine(double x) { return x; }
 )";
 
@@ -63,6 +67,17 @@ TEST_F(GuardTest, EndWithStatusZeroIsAnError) {
 TEST_F(GuardTest, KilledProcessNamesTheLsi) {
   expect_part(run("killed"), "'it' (LSI 'bad/killed' of library 'bad') ended its process (signal 9, Killed) without a report.");
 }
+TEST_F(GuardTest, SignalToTheParentNamesTheLsiAndIsNotDelivered) {
+  static volatile sig_atomic_t received = 0;
+  received = 0;
+  ::signal(SIGUSR1, [](int) { received = 1; });
+  expect_part(
+      run("signals_parent"),
+      "'it' (LSI 'bad/signals_parent' of library 'bad') tried to send a signal to the process of Ugoki that runs it (kill) at 0.000 s");
+  EXPECT_EQ(received, 0);
+  EXPECT_EQ(run("tests_parent"), "status 5") << "a test for existence is not a signal";
+  ::signal(SIGUSR1, SIG_DFL);
+}
 TEST_F(GuardTest, ClosedDescriptorsAreAnErrorThatNamesTheLsi) {
   const std::string reported = run("closes");
   expect_part(reported, "without a report");
@@ -83,6 +98,32 @@ TEST_F(GuardTest, ForkedSleepersAreEndedAndDoNotHang) {
 TEST_F(GuardTest, CrashInAThreadNamesTheLibrary) {
   expect_part(run("threads", 2000), "A thread of the library 'bad' used a null pointer (SIGSEGV).");
   expect_part(run("joined"), "A thread of the library 'bad' used a null pointer (SIGSEGV).");
+}
+
+TEST_F(GuardTest, SuspectedLsisAreListedOnceWithTheNumberOfFurtherOnes) {
+  const std::string library = build("bad.c", bad);
+  LiveLibrary live(signals_, {}, {library});
+  clear_guard_block();
+  const auto circuit_of = [](int count) {
+    std::string lsis;
+    for (int i = 0; i < count; ++i)
+      lsis += std::string(i > 0 ? "," : "") + R"({"id": "l)" + std::to_string(i) + R"(", "type": "bad/fine", "values": {"x": 1}})";
+    return *circuit::read_circuit(R"({"version": 1, "name": "t", "lsis": [)" + lsis + "]}");
+  };
+  const auto known = [] {
+    char text[1024];
+    return std::string(text, describe_known_lsis(guard_block(), text, sizeof text));
+  };
+  const std::string one = "'l0' (LSI 'bad/fine' of library 'bad')";
+  std::vector<circuit::Interpreter> kept;  // a rebuilt circuit has its LSIs at other addresses
+  for (int i = 0; i < 3; ++i)
+    kept.push_back(
+        std::move(*circuit::Interpreter::build(circuit_of(1), *live.library(), nullptr, {.dt = 0.01, .activity = &process_activity()})));
+  EXPECT_EQ(known(), one);
+  kept.push_back(
+      std::move(*circuit::Interpreter::build(circuit_of(7), *live.library(), nullptr, {.dt = 0.01, .activity = &process_activity()})));
+  EXPECT_TRUE(known().starts_with(one + ", 'l1'")) << known();
+  EXPECT_TRUE(known().ends_with("'l3' (LSI 'bad/fine' of library 'bad') and 3 more")) << known();
 }
 
 TEST(RunProgram, ProcessThatKeepsThePipesOpenDoesNotHang) {

@@ -1,6 +1,6 @@
 #pragma once
-// Forty-three LSIs that misbehave: they crash, end or stop their process, hang, damage memory, return values that are not finite, or cannot
-// be loaded. Tests run each one with `ugoki lsi test`, `ugoki circuit run` and in the studio.
+// LSIs that misbehave: they crash, end or stop their process or its parent, hang, damage memory, return values that are not finite, or
+// cannot be loaded. Tests run each one with `ugoki lsi test`, `ugoki circuit run` and in the studio.
 
 #include <array>
 #include <string>
@@ -41,7 +41,7 @@ inline constexpr std::array misbehaving = {
     Misbehaving{"signal without handler", "raise(SIGUSR1);", "ended its process (signal 10, User defined signal 1) without a report"},
     Misbehaving{"restores the handler and crashes", "signal(SIGSEGV, SIG_DFL); *(volatile int*)0 = 1;",
                 "ended its process (signal 11, Segmentation fault) without a report"},
-    Misbehaving{"runs another program", "execl(\"/bin/true\", \"true\", (char*)0);", "ended its process (exit status 0) without a report"},
+    Misbehaving{"runs another program", "execl(\"/bin/true\", \"true\", (char*)0);", "without a report"},
     Misbehaving{"runs a long program", "execl(\"/bin/sleep\", \"sleep\", \"1000\", (char*)0);",
                 "replaced its process by another program (exec), which was ended without a report"},
     Misbehaving{"closes all files and exits", "for (int i = 3; i < 1024; ++i) close(i); _exit(0);",
@@ -50,6 +50,10 @@ inline constexpr std::array misbehaving = {
     Misbehaving{"leaves a sleeper and exits", "if (fork() == 0) { sleep(1000); _exit(0); } _exit(0);",
                 "ended its process (exit status 0) without a report"},
     Misbehaving{"stops itself", "raise(SIGSTOP);", "stopped its process (SIGSTOP)"},
+    // Signals to the program that runs the LSI.
+    Misbehaving{"kills its parent", "kill(getppid(), SIGKILL);", "tried to send a signal to the process of Ugoki"},
+    Misbehaving{"ends its parent", "kill(getppid(), SIGTERM);", "tried to send a signal to the process of Ugoki"},
+    Misbehaving{"signals its process group", "kill(0, SIGUSR1);", "tried to send a signal to the process of Ugoki"},
     // Hangs.
     Misbehaving{"endless loop", "for (;;) __asm__ volatile(\"\");", "did not return within"},
     Misbehaving{"sleeps", "sleep(1000);", "did not return within"},
@@ -85,7 +89,7 @@ inline constexpr std::array misbehaving = {
     Misbehaving{"throws a number", "throw 42;", "rogue", "", true},
     Misbehaving{"throws where it must not", "cannot();", "aborted", "static void cannot() noexcept { throw 1; }", true},
 };
-static_assert(misbehaving.size() == 43);
+static_assert(misbehaving.size() == 46);
 
 /// Source text of the library "rogue" with the LSI `f`.
 inline std::string rogue_source(const Misbehaving& m) {

@@ -256,6 +256,29 @@ TEST_F(ProjectTest, OpeningTwiceIsAConflictThatNamesTheHolder) {
   EXPECT_FALSE(read_only->save());
 }
 
+TEST_F(ProjectTest, LockOfAnEndedProgramIsWaitedFor) {
+  {
+    const Project project = make();
+  }
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  const pid_t holder = ::fork();
+  if (holder == 0) {
+    const auto project = Project::open(path_);
+    (void)!::write(ends[1], project ? "y" : "n", 1);
+    if (::fork() == 0) ::usleep(300'000);  // us: a process that was being started when its parent was killed
+    ::_exit(0);
+  }
+  char opened = 0;
+  ASSERT_EQ(::read(ends[0], &opened, 1), 1);
+  EXPECT_EQ(opened, 'y');
+  ::close(ends[0]);
+  ::close(ends[1]);
+  ::waitpid(holder, nullptr, 0);
+  const auto project = Project::open(path_);
+  EXPECT_TRUE(project) << project.error().text();
+}
+
 TEST_F(ProjectTest, CommandFetchesItsResourcesFromTheLibrary) {
   auto library = store::Library::open(folder_ + "/library.db");
   ASSERT_TRUE(library);

@@ -480,6 +480,40 @@ TEST_F(ServerTest, IdleConnectionsDoNotLockThePageOut) {
   EXPECT_TRUE(page.receive()) << "a page that is open stays connected";
 }
 
+TEST_F(ServerTest, SlowUploadsDoNotLockOtherClientsOut) {
+  server.reset();
+  options.upload_time = std::chrono::seconds(1);
+  start();
+  const std::string head = "POST /api/import HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port()) + "\r\n" + bearer() + "\r\n";
+  std::vector<std::unique_ptr<test::Socket>> slow;
+  for (int i = 0; i < 140; ++i) {  // more than max_connections
+    slow.push_back(std::make_unique<test::Socket>(port()));
+    slow.back()->send(head + "Content-Length: 100000\r\n\r\nx");
+  }
+  const std::string body(10'000, 'y');
+  EXPECT_EQ(request(port(), "GET", "/api/library", {bearer()}).status, 200);
+  EXPECT_EQ(request(port(), "GET", "/").status, 200);
+  EXPECT_TRUE(slow.back()->receive_all().starts_with("HTTP/1.1 503 ")) << "further uploads are refused with an answer";
+  std::this_thread::sleep_for(options.upload_time);
+  test::Socket upload(port());  // replaces the oldest slow upload
+  upload.send(head + "Connection: close\r\nContent-Length: 10000\r\n\r\n");
+  EXPECT_EQ(slow.front()->receive_all(), "") << "the oldest upload was closed";
+  upload.send(body);
+  EXPECT_TRUE(upload.receive_all().starts_with("HTTP/1.1 200 "));
+}
+
+TEST_F(ServerTest, RefusedRequestIsNotReadForEver) {
+  test::Socket socket(port());
+  socket.send("POST /api/import HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port()) + "\r\nContent-Length: 100000\r\n\r\n");
+  EXPECT_TRUE(socket.receive(13).starts_with("HTTP/1.1 401 "));
+  bool open = true;
+  for (int i = 0; i < 100 && open; ++i) {  // a client that sends one byte every 100 ms; the studio reads for 2 s
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    open = socket.send("x");
+  }
+  EXPECT_FALSE(open);
+}
+
 TEST_F(ServerTest, ChildProcessesInheritNoSocket) {
   WebSocket page(port(), "/ws", {bearer()});
   ASSERT_EQ(page.status(), 101);

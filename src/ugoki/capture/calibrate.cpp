@@ -8,6 +8,10 @@
 namespace ugoki::capture {
 namespace {
 
+// Maximum number of iterations of the pose solver during a calibration, per frame. Recordings of people and animals need 30 to 45; damaged
+// recordings would need up to 4000 and 10 s of computing.
+constexpr std::size_t max_iterations_per_frame = 250;
+
 /// True if a and b are the same segment, or if one is the parent of the other.
 bool neighbours(const MarkerSet& set, int a, int b) {
   const auto parent = [&](int i) { return set.segments[static_cast<std::size_t>(i)].parent; };
@@ -277,14 +281,18 @@ double find_first_pose(PoseSolver& solver, const Subject& subject, const Measure
   return minimum;
 }
 
-double calibrate(Subject& subject, const std::vector<MeasuredFrame>& frames, std::vector<ModelPose>& poses) {
+double calibrate(Subject& subject, const std::vector<MeasuredFrame>& frames, std::vector<ModelPose>& poses,
+                 const std::function<bool()>& cancelled) {
   const Shared shared = shared_unknowns(subject);
   const PoseOptions options;
   PoseSolver solver;
+  bool stopped = false;
   // Solves the poses of all frames; returns their cost plus the cost of the priors of the shared unknowns.
   const auto solve_poses = [&](Subject& s, std::vector<ModelPose>& p, Reduction* reduction) {
     double cost = 0;
     for (std::size_t f = 0; f < frames.size(); ++f) {
+      stopped = stopped || (cancelled && cancelled());
+      if (stopped) return cost;
       cost += solver.solve(s, frames[f], options, p[f]);
       if (reduction != nullptr) reduction->add(s, solver, frames[f], options);
     }
@@ -292,17 +300,20 @@ double calibrate(Subject& subject, const std::vector<MeasuredFrame>& frames, std
     for (std::size_t i = 0; i < departure.size(); ++i) cost += 0.5 * shared.prior[i] * departure[i] * departure[i];
     return cost;
   };
-  for (int round = 0; round < 25; ++round) {
+  const std::size_t max_iterations = max_iterations_per_frame * frames.size();
+  for (int round = 0; round < 25 && solver.iterations() < max_iterations && !stopped; ++round) {
     Reduction reduction(shared);
     const double cost = solve_poses(subject, poses, &reduction);
+    if (stopped) break;
     std::vector<double> step = reduction.solve(departures(subject, shared));
     if (step.empty()) break;
     double then = cost;
-    for (int attempt = 0; attempt < 8; ++attempt) {
+    for (int attempt = 0; attempt < 8 && solver.iterations() < max_iterations; ++attempt) {
       Subject trial = subject;
       std::vector<ModelPose> trial_poses = poses;
       apply(trial, shared, step);
       then = solve_poses(trial, trial_poses, nullptr);
+      if (stopped) break;
       if (then < cost) {
         subject = std::move(trial);
         poses = std::move(trial_poses);

@@ -1,6 +1,8 @@
 #pragma once
 // Calibration: finds segment lengths of a subject and positions of the markers on its segments from a recording. Internal to capture.
 
+#include <functional>
+
 #include "ugoki/capture/pose_solver.h"
 
 namespace ugoki::capture {
@@ -19,8 +21,11 @@ double find_first_pose(PoseSolver& solver, const Subject& subject, const Measure
 
 /// Fits segment lengths (equal on both sides), marker offsets and the poses of all `frames` simultaneously: Gauss-Newton method with the
 /// poses eliminated by the Schur complement. The marker set's standard deviations are the priors.
+/// Ends early if the fit of a damaged recording does not converge.
 /// @param poses [frames, in and out] initial and fitted poses
+/// @param cancelled called before each pose is solved; true ends the work, and the result is then not a fit
 /// @return root mean square of the marker errors, m
-double calibrate(Subject& subject, const std::vector<MeasuredFrame>& frames, std::vector<ModelPose>& poses);
+double calibrate(Subject& subject, const std::vector<MeasuredFrame>& frames, std::vector<ModelPose>& poses,
+                 const std::function<bool()>& cancelled = {});
 
 }  // namespace ugoki::capture

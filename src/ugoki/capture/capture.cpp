@@ -190,13 +190,17 @@ MarkerMotion clean(const MarkerMotion& motion, const CaptureOptions& options, st
   if (const int spikes = remove_spikes(out); spikes > 0) report.push_back(std::to_string(spikes) + " spikes were removed.");
   if (const int filled = fill_short_gaps(out, options.longest_gap); filled > 0)
     report.push_back(std::to_string(filled) + " positions in short gaps were filled by splines.");
-  const double cutoff = options.cutoff == 0 ? choose_cutoff(out) : options.cutoff;
+  const double cutoff = options.cutoff == 0 ? choose_cutoff(out, options.cancelled) : options.cutoff;
   if (cutoff > 0 && cutoff < out.rate / 3) {
     filter_markers(out, cutoff);
     report.push_back("The markers were filtered at " + to_fixed(cutoff, 1) + " Hz" +
                      (options.cutoff == 0 ? ", chosen by residual analysis." : "."));
   }
   return out;
+}
+
+Error cancelled_error(const MarkerMotion& motion) {
+  return {ErrorCode::cancelled, motion.source, "The reconstruction of the body from the markers was cancelled.", "Run it again."};
 }
 
 /// A subject calibrated to a recording.
@@ -247,7 +251,7 @@ Result<Fit> fit_subject(const MarkerMotion& motion, const MarkerMotion& markers,
     options_far.outlier = 1e3;
     solver.solve(out.subject, frames[i], options_far, poses[i]);
   }
-  calibrate(out.subject, frames, poses);
+  calibrate(out.subject, frames, poses, options.cancelled);
   mirror_unseen_offsets(out.subject, frames);
   out.first = poses[0];
   out.from = chosen[0];
@@ -327,6 +331,7 @@ Result<Capture> solve_markers(const MarkerMotion& motion, const CaptureOptions& 
   MarkerMotion markers = clean(motion, options, out.report);
   Result<Fit> fit = fit_subject(motion, markers, options);
   if (!fit) return fail(std::move(fit.error()));
+  if (options.cancelled && options.cancelled()) return fail(cancelled_error(motion));
   const auto [from, to] = known_part(markers, fit->subject);
   fill_by_body(markers, *fit, options.cancelled, out.report);
   out.marker_set = fit->set_name;
@@ -336,8 +341,7 @@ Result<Capture> solve_markers(const MarkerMotion& motion, const CaptureOptions& 
   out.size = fit->subject.size;
   out.unused = std::move(fit->unused);
   Solver(motion, markers, std::move(fit->subject), out).run(fit->first, fit->from, options.cancelled);
-  if (options.cancelled && options.cancelled())
-    return fail(ErrorCode::cancelled, motion.source, "The reconstruction of the body from the markers was cancelled.", "Run it again.");
+  if (options.cancelled && options.cancelled()) return fail(cancelled_error(motion));
   if (to >= from && to - from + 1 < motion.frames) {
     trim(out, from, to);
     out.report.push_back("The motion was cut to the frames " + std::to_string(motion.first_frame + from) + " to " +

@@ -33,7 +33,12 @@ BodyPoses find_body_poses(const MarkerMotion& markers, const Subject& subject, c
   return out;
 }
 
-/// Position of used marker m in the segment's frame minus its calibrated offset [m]; the pose is solved without this marker.
+/// Position of used marker m in the frame of its segment, with the given rotation and position, minus its calibrated offset [m].
+Vec3 offset_of(const MarkerMotion& markers, const Subject& subject, std::size_t m, int frame, const Mat3& R, const Vec3& p) {
+  return R.transposed() * (markers.at(frame, subject.columns[m]) - p) - subject.marker_offsets[m];
+}
+
+/// The offset of offset_of(); the pose is solved without this marker.
 Vec3 offset_from_others(const MarkerMotion& markers, const Subject& subject, const BodyPoses& bodies, std::size_t m, int frame) {
   MeasuredFrame measured = measured_frame(markers, subject, frame);
   measured.seen[m] = 0;
@@ -46,7 +51,7 @@ Vec3 offset_from_others(const MarkerMotion& markers, const Subject& subject, con
   solver.solve(subject, measured, options, pose);
   const auto segment = static_cast<std::size_t>(subject.marker(m).segment);
   const Kinematics& k = solver.kinematics();
-  return k.R[segment].transposed() * (markers.at(frame, subject.columns[m]) - k.p[segment]) - subject.marker_offsets[m];
+  return offset_of(markers, subject, m, frame, k.R[segment], k.p[segment]);
 }
 
 }  // namespace
@@ -65,14 +70,29 @@ int fill_gaps_by_body(MarkerMotion& markers, const Subject& subject, const Model
   const MarkerMotion measured = markers;
   const BodyPoses bodies = find_body_poses(measured, subject, first, from, cancelled);
   if (cancelled && cancelled()) return 0;
+  // At most one further pose is solved per frame of the recording. Damaged recordings may have a gap in almost every frame of every marker;
+  // the remaining offsets of these follow from the poses that were solved with all markers.
+  int solves_left = markers.frames;
+  const auto offset_at = [&](std::size_t m, int frame) {
+    if (solves_left > 0) {
+      --solves_left;
+      return offset_from_others(measured, subject, bodies, m, frame);
+    }
+    const Pose& body = bodies.at(frame, static_cast<std::size_t>(subject.marker(m).segment));
+    return offset_of(measured, subject, m, frame, body.R, body.p);
+  };
   int count = 0;
   for (const MarkerGap& gap : gaps) {
     const int used = used_of[static_cast<std::size_t>(gap.marker)];
     if (used < 0) continue;
+    if (cancelled && cancelled()) {
+      markers = measured;
+      return 0;
+    }
     const auto m = static_cast<std::size_t>(used);
     const bool before = gap.first > 0, after = gap.last + 1 < markers.frames;
-    Vec3 a = before ? offset_from_others(measured, subject, bodies, m, gap.first - 1) : Vec3{};
-    Vec3 b = after ? offset_from_others(measured, subject, bodies, m, gap.last + 1) : a;
+    Vec3 a = before ? offset_at(m, gap.first - 1) : Vec3{};
+    Vec3 b = after ? offset_at(m, gap.last + 1) : a;
     if (!before) a = b;
     for (int f = gap.first; f <= gap.last; ++f) {
       if (bodies.known[static_cast<std::size_t>(f)] == 0) continue;

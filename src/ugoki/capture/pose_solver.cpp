@@ -127,6 +127,7 @@ double PoseSolver::solve(const Subject& s, const MeasuredFrame& frame, const Pos
   double now = cost(s, frame, o, pose), damping = 1e-3;
   for (int iteration = 0; iteration < o.max_iterations; ++iteration) {
     linearize(s, frame, o, pose);
+    ++iterations_;
     bool better = false;
     double gain = 0;
     for (int attempt = 0; attempt < 12 && !better; ++attempt) {

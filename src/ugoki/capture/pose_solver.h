@@ -43,6 +43,9 @@ class PoseSolver {
   /// Derivative (m per m or rad) of the used marker's world position with respect to a DOF at the last solution; zero without effect.
   [[nodiscard]] Vec3 jacobian(const Subject& subject, std::size_t used, std::size_t dof) const;
 
+  /// Number of iterations of all calls of solve() so far.
+  [[nodiscard]] std::size_t iterations() const { return iterations_; }
+
  private:
   double cost(const Subject& subject, const MeasuredFrame& frame, const PoseOptions& options, const ModelPose& pose);
   void linearize(const Subject& subject, const MeasuredFrame& frame, const PoseOptions& options, const ModelPose& pose);
@@ -50,6 +53,7 @@ class PoseSolver {
   Kinematics k_;
   std::vector<double> H_, g_, L_, step_;
   std::vector<int> chain_;
+  std::size_t iterations_ = 0;
 };
 
 }  // namespace ugoki::capture

@@ -84,14 +84,19 @@ Result<void> check_readable(const std::string& path) {
   return check_kind(path, info.st_mode);
 }
 
-Result<std::string> read_file(const std::string& path, std::size_t max_size) {
+namespace {
+
+/// Reads all bytes of the file. @param pipes false: pipes are refused too
+Result<std::string> read(const std::string& path, std::size_t max_size, bool pipes) {
   // The kind is checked before opening, because opening a device may block or have effects, and again after it: the path may have changed.
   if (Result<void> readable = check_readable(path); !readable) return fail(std::move(readable.error()));
-  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  // With O_NONBLOCK a pipe is opened at once, although nobody writes into it. The flag has no effect on regular files.
+  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | (pipes ? 0 : O_NONBLOCK)));
   if (file.get() < 0) return failed(path, errno == ENOENT ? "The file does not exist" : "The file cannot be opened", errno);
   struct stat info{};
   if (::fstat(file.get(), &info) != 0) return failed(path, "The file's status cannot be read", errno);
   if (Result<void> readable = check_kind(path, info.st_mode); !readable) return fail(std::move(readable.error()));
+  if (!pipes && S_ISFIFO(info.st_mode)) return fail(ErrorCode::io, path, "This is a pipe, not a file.", "Name a file.");
   const auto too_large = [&] {
     return fail(ErrorCode::range, path, "The file is larger than " + std::to_string(max_size) + " bytes.",
                 "Check that it is the right file, or split it.");
@@ -111,8 +116,6 @@ Result<std::string> read_file(const std::string& path, std::size_t max_size) {
   }
 }
 
-namespace {
-
 /// Writes into an existing pipe or character device.
 Result<void> write_into(const std::string& path, std::span<const std::byte> bytes) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY));
@@ -122,6 +125,9 @@ Result<void> write_into(const std::string& path, std::span<const std::byte> byte
 }
 
 }  // namespace
+
+Result<std::string> read_file(const std::string& path, std::size_t max_size) { return read(path, max_size, true); }
+Result<std::string> read_regular_file(const std::string& path, std::size_t max_size) { return read(path, max_size, false); }
 
 Result<void> write_file(const std::string& path, std::span<const std::byte> bytes) {
   struct stat existing{};

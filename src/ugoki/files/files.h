@@ -22,6 +22,9 @@ inline constexpr std::size_t default_max_size = std::size_t{1} << 31;
 /// is a folder, device or socket, or is larger than `max_size` bytes; or the disk fails.
 [[nodiscard]] Result<std::string> read_file(const std::string& path, std::size_t max_size = default_max_size);
 
+/// Like read_file(), but a pipe is an error too. Does not wait for a program that writes into a pipe.
+[[nodiscard]] Result<std::string> read_regular_file(const std::string& path, std::size_t max_size = default_max_size);
+
 /// Replaces the file atomically: writes a temporary file in the same folder, flushes this file to the disk, then renames it.
 /// After a failure or a power cut the old file is intact. Keeps the permissions of the replaced file, and follows symbolic links.
 /// A named pipe or a character device (/dev/null, /dev/stdout) is not replaced: the bytes are written into it.

@@ -1,16 +1,11 @@
 #include "ugoki/fmi/code.h"
 
 #include <dlfcn.h>
-#include <signal.h>
-#include <stdlib.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <filesystem>
 #include <set>
 
 #include "ugoki/base/floating_point_mode.h"
-#include "ugoki/base/number.h"
 #include "ugoki/files/files.h"
 
 namespace ugoki::fmi {
@@ -25,35 +20,8 @@ constexpr const char* platform3 = "aarch64-linux";
 constexpr const char* platform2 = "linux64";
 constexpr const char* platform3 = "x86_64-linux";
 #endif
-// Temporary folders are named ugoki-fmu-PROCESS-RANDOM.
-constexpr std::string_view folder_prefix = "ugoki-fmu-";
 
 std::string platform_folder(const ModelDescription& d) { return std::string("binaries/") + (d.version == 2 ? platform2 : platform3) + "/"; }
-
-/// Removes temporary folders left behind by processes that no longer exist, for example because an FMU crashed them.
-void sweep(const fs::path& folder) {
-  std::error_code ec;
-  for (const fs::directory_entry& e : fs::directory_iterator(folder, ec)) {
-    const std::string name = e.path().filename().string();
-    if (!name.starts_with(folder_prefix)) continue;
-    const std::string rest = name.substr(folder_prefix.size());
-    const std::optional<long> process = parse_long(rest.substr(0, rest.find('-')));
-    std::error_code ignored;
-    if (process && *process > 1 && ::kill(static_cast<pid_t>(*process), 0) != 0 && errno == ESRCH) fs::remove_all(e.path(), ignored);
-  }
-}
-
-/// Creates a temporary folder. @return its path
-Result<std::string> make_folder(std::string_view location) {
-  std::error_code ec;
-  const fs::path temporary = fs::temp_directory_path(ec);
-  if (!ec) sweep(temporary);
-  std::string folder = (temporary / (std::string(folder_prefix) + std::to_string(::getpid()) + "-XXXXXX")).string();
-  if (ec || ::mkdtemp(folder.data()) == nullptr)
-    return fail(ErrorCode::io, std::string(location), "No temporary folder can be created.",
-                "Set TMPDIR to a folder that you may write to.");
-  return folder;
-}
 
 Result<void> unpack(const Archive& archive, const std::string& name, const std::string& folder) {
   const Result<std::string> bytes = archive.read(name);
@@ -108,24 +76,24 @@ Result<void> check_binary(const Archive& archive, const ModelDescription& d, std
 Result<std::shared_ptr<Code>> Code::open(const Archive& archive, const ModelDescription& d, std::string_view place_view) {
   const std::string location(place_view);
   if (Result<void> there = check_binary(archive, d, location); !there) return fail(std::move(there.error()));
-  Result<std::string> folder = make_folder(location);
-  if (!folder) return fail(std::move(folder.error()));
-  const std::shared_ptr<Code> code(new Code);
-  code->folder_ = *folder;
+  Result<files::TemporaryFolder> made = files::TemporaryFolder::make("fmu", location);
+  if (!made) return fail(std::move(made.error()));
+  const std::shared_ptr<Code> code(new Code(std::move(*made)));
+  const std::string& folder = code->folder_.path();
   for (const ArchiveEntry& e : archive.entries())
     if (e.name.starts_with(platform_folder(d)) || e.name.starts_with("resources/"))
-      if (Result<void> done = unpack(archive, e.name, *folder); !done) return fail(std::move(done.error()));
+      if (Result<void> done = unpack(archive, e.name, folder); !done) return fail(std::move(done.error()));
   std::error_code ec;
-  fs::create_directories(*folder + "/resources", ec);
-  code->resources_ = d.version == 2 ? file_uri(*folder + "/resources") : *folder + "/resources/";
+  fs::create_directories(folder + "/resources", ec);
+  code->resources_ = d.version == 2 ? file_uri(folder + "/resources") : folder + "/resources/";
 
   // The library is never closed: some FMUs start threads that outlive their instances and would then run unmapped code.
   const KeepFloatingPointMode keep;  // a library linked with -ffast-math sets the mode when it is loaded
-  void* handle = ::dlopen((*folder + "/" + binary_name(d)).c_str(), RTLD_NOW | RTLD_LOCAL);
+  void* handle = ::dlopen((folder + "/" + binary_name(d)).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!handle) {
     const char* why = dlerror();
     std::string reason = why ? why : "unknown reason";
-    if (const auto at = reason.find(*folder + "/"); at != std::string::npos) reason.erase(at, folder->size() + 1);
+    if (const auto at = reason.find(folder + "/"); at != std::string::npos) reason.erase(at, folder.size() + 1);
     return fail(ErrorCode::syntax, location, "The FMU's binary cannot be opened: " + reason + ".",
                 "Install the libraries that it needs, or export it for this system.");
   }
@@ -156,11 +124,6 @@ Result<std::shared_ptr<Code>> Code::open(const Archive& archive, const ModelDesc
     return fail(ErrorCode::structure, location, "The FMU's binary lacks functions: " + missing + ".",
                 "Export it again for FMI " + d.written + " co-simulation.");
   return code;
-}
-
-Code::~Code() {
-  std::error_code ec;
-  if (!folder_.empty()) fs::remove_all(folder_, ec);
 }
 
 }  // namespace ugoki::fmi

@@ -4,8 +4,10 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "ugoki/base/result.h"
+#include "ugoki/files/temporary_folder.h"
 #include "ugoki/fmi/abi2.h"
 #include "ugoki/fmi/abi3.h"
 #include "ugoki/fmi/archive.h"
@@ -35,7 +37,6 @@ class Code {
   /// Errors (location: `location`): the FMU has no binary for this system, it cannot be opened, or it lacks functions.
   [[nodiscard]] static Result<std::shared_ptr<Code>> open(const Archive& archive, const ModelDescription& description,
                                                           std::string_view location);
-  ~Code();
   Code(const Code&) = delete;
   Code& operator=(const Code&) = delete;
 
@@ -45,8 +46,9 @@ class Code {
   [[nodiscard]] const std::string& resources() const { return resources_; }
 
  private:
-  Code() = default;
-  std::string folder_, resources_;
+  explicit Code(files::TemporaryFolder folder) : folder_(std::move(folder)) {}
+  files::TemporaryFolder folder_;
+  std::string resources_;
   Functions2 two_;
   Functions3 three_;
 };

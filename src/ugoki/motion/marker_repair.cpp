@@ -206,13 +206,14 @@ int fill_gaps_by_neighbours(MarkerMotion& m, double rigid) {
   return count;
 }
 
-double choose_cutoff(const MarkerMotion& m) {
+double choose_cutoff(const MarkerMotion& m, const std::function<bool()>& cancelled) {
   const double highest = m.rate / 4;
   if (!(highest > 5) || m.frames < 20) return 0;
   // White noise: at high cut-offs the residual grows linearly as the cut-off falls. The line through two high cut-offs, extrapolated to
   // 0 Hz, estimates the noise. At the cut-off whose residual equals this value, remaining noise and lost signal are balanced.
   double count = 0;
   const auto residual = [&](double cutoff) {
+    if (cancelled && cancelled()) return 0.0;
     const double squares = removed(m, cutoff, count);
     return count > 0 ? std::sqrt(squares / count) : 0;
   };

@@ -1,6 +1,7 @@
 #pragma once
 // Cleaning of measured markers: removes spikes, fills gaps, filters noise.
 
+#include <functional>
 #include <vector>
 
 #include "ugoki/motion/markers.h"
@@ -30,7 +31,8 @@ int fill_gaps_by_neighbours(MarkerMotion& motion, double rigid = 0.015);
 
 /// Cut-off frequency [Hz] above which filtering removes mainly noise: residual analysis (Winter 2009, section 3.4.4.3) of all coordinates
 /// together, between 4 Hz and 0.7 times a quarter of the rate. 0 (no filter) for rates up to 20 Hz or fewer than 20 frames.
-[[nodiscard]] double choose_cutoff(const MarkerMotion& motion);
+/// @param cancelled called before each of up to 15 passes over the recording; true ends the work with a meaningless result
+[[nodiscard]] double choose_cutoff(const MarkerMotion& motion, const std::function<bool()>& cancelled = {});
 
 /// Filters every run of seen frames with filter_both_ways() (butterworth.h), with ends padded by reflection. Filters only if `cutoff`
 /// [Hz] is between 0 and a third of the rate, and only runs of at least 4 frames.

@@ -9,6 +9,7 @@
 
 #include "ugoki/base/number.h"
 #include "ugoki/files/files.h"
+#include "ugoki/files/temporary_folder.h"
 #include "ugoki/plugin/inspect.h"
 #include "ugoki/plugin/run_program.h"
 #include "ugoki/plugin/wrapper.h"
@@ -19,26 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::chrono::seconds compile_limit{300};  // a file of plain functions takes a few seconds; a compiler above the limit is killed
-
-/// A new folder for temporary files. The destructor removes the folder with its files. The path is empty if it cannot be created.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::error_code ec;
-    path_ = (fs::temp_directory_path(ec) / "ugoki-build-XXXXXX").string();
-    if (ec || ::mkdtemp(path_.data()) == nullptr) path_.clear();
-  }
-  ~TemporaryFolder() {
-    std::error_code ec;
-    if (!path_.empty()) fs::remove_all(path_, ec);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 /// Path of an executable: in PATH, or `name` itself if it has a slash. Empty: not found.
 std::string find_program(const std::string& name) {
@@ -162,17 +143,16 @@ Result<BuildReport> build_library(const BuildRequest& request) {
   if (!compiler) return fail(compiler.error());
   report.compiler = *compiler;
 
-  const TemporaryFolder folder;
-  if (folder.path().empty())
-    return fail(ErrorCode::io, "temporary folder", "No temporary folder can be created.", "Set TMPDIR to a folder that you may write to.");
-  fs::create_directories(folder.path() + "/include/ugoki", ec);
+  const Result<files::TemporaryFolder> folder = files::TemporaryFolder::make("build", "temporary folder");
+  if (!folder) return fail(folder.error());
+  fs::create_directories(folder->path() + "/include/ugoki", ec);
   for (const Header& h : public_headers())
-    if (Result<void> done = files::write_file(folder.path() + "/include/" + h.path, std::string_view(h.text)); !done)
+    if (Result<void> done = files::write_file(folder->path() + "/include/" + h.path, std::string_view(h.text)); !done)
       return fail(done.error());
-  const std::string unit = folder.path() + (cpp ? "/lsis.cpp" : "/lsis.c");
+  const std::string unit = folder->path() + (cpp ? "/lsis.cpp" : "/lsis.c");
   if (!source.declares_library)
     if (Result<void> done = files::write_file(unit, std::string_view(wrapper.code)); !done) return fail(done.error());
-  const std::string made = folder.path() + "/" + report.name + ".so";
+  const std::string made = folder->path() + "/" + report.name + ".so";
   // -ffp-contract=off: a * b + c is rounded twice on every machine, so that results are the same everywhere. Frame pointers allow stack
   // traces.
   const std::vector<std::string> arguments = {*compiler,
@@ -189,7 +169,7 @@ Result<BuildReport> build_library(const BuildRequest& request) {
                                               "-Wno-unused-function",
                                               "-fno-diagnostics-color",
                                               "-I",
-                                              folder.path() + "/include",
+                                              folder->path() + "/include",
                                               "-I",
                                               fs::path(full).parent_path().string(),
                                               source.declares_library ? full : unit,

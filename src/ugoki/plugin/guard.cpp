@@ -18,6 +18,7 @@
 
 #include "ugoki/base/shadow_memory.h"
 #include "ugoki/plugin/guard_block.h"
+#include "ugoki/plugin/signal_filter.h"
 
 namespace ugoki::plugin {
 namespace {
@@ -157,6 +158,7 @@ std::string_view words_for(int signal, const siginfo_t* info) {
     case SIGBUS: return "accessed memory that does not exist (SIGBUS)";
     case SIGILL: return "executed an invalid instruction (SIGILL)";
     case SIGABRT: return "aborted (SIGABRT)";
+    case SIGSYS: return "tried to send a signal to the process of Ugoki that runs it (kill)";  // raised by forbid_signals_to_parent()
     default: return "was ended by a signal";
   }
 }
@@ -303,8 +305,9 @@ void guard_process(int fd, std::chrono::milliseconds patience) {
   action.sa_sigaction = on_crash;
   action.sa_flags = SA_SIGINFO | SA_ONSTACK;
   sigemptyset(&action.sa_mask);
-  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) ::sigaction(signal, &action, nullptr);
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS}) ::sigaction(signal, &action, nullptr);
   std::atexit(on_exit);
+  (void)forbid_signals_to_parent();
   // The watching thread blocks all signals, so that the main thread handles Ctrl+C.
   sigset_t all, before;
   sigfillset(&all);

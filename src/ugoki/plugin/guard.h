@@ -25,7 +25,8 @@ void set_phase(std::string_view what);
 
 /// Guards this process from now on. When it crashes (null pointer, division of an integer by zero, abort), when an LSI calls exit, or when
 /// one call of an LSI or one phase takes longer than `patience`, the process writes a crash report to `fd` and ends with status 70. The
-/// process may then use at most half of the machine's memory. Call it once in a process, on its main thread.
+/// same happens when foreign code tries to send a signal to the parent process. The process may then use at most half of the machine's
+/// memory. Call it once in a process, on its main thread.
 void guard_process(int fd, std::chrono::milliseconds patience = usual_patience);
 
 /// Converts a crash report to an error whose location is the LSI. @param how how the process ended ("was ended by signal 9"); used as the

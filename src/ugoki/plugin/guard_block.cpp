@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <new>
 #include <string_view>
@@ -73,13 +74,27 @@ std::size_t describe_known_lsis(const GuardBlock& block, char* buffer, std::size
     std::memcpy(buffer + used, text.data(), n);
     used += n;
   };
-  int shown = 0;
+  // A rebuilt circuit adds its LSIs again, at other addresses; equal texts are one LSI.
+  const auto seen = [&](std::uint32_t i, std::string_view text) {
+    for (std::uint32_t k = 0; k < i; ++k)
+      if (text_in(block.lsis[k].text) == text) return true;
+    return false;
+  };
+  constexpr std::uint32_t max_shown = 4;
+  std::uint32_t found = 0;
   const std::uint32_t count = std::min(block.count.load(), GuardBlock::max_lsis);
-  for (std::uint32_t i = 0; i < count && shown < 4; ++i) {
+  for (std::uint32_t i = 0; i < count; ++i) {
     const std::string_view text = text_in(block.lsis[i].text);
-    if (text.empty()) continue;
-    if (shown++ > 0) add(", ");
+    if (text.empty() || seen(i, text)) continue;
+    if (++found > max_shown) continue;
+    if (found > 1) add(", ");
     add(text);
+  }
+  if (found > max_shown) {
+    char digits[16];
+    add(" and ");
+    add({digits, std::to_chars(digits, digits + sizeof digits, found - max_shown).ptr});
+    add(" more");
   }
   return used;
 }

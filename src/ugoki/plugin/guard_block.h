@@ -34,7 +34,8 @@ void clear_guard_block();
 /// Uses the memory of the file `fd` (GuardMemory::fd() of the parent) as the block of this process. Call it before the first call of
 /// guard_block(). @return false: the memory cannot be used, and the parent will see an empty block
 bool attach_guard_block(int fd);
-/// Writes "'a' (LSI 'x/y' of library 'x'), 'b' (...)" to `buffer`: the first 4 LSIs of libraries. Allocates nothing.
+/// Writes "'a' (LSI 'x/y' of library 'x'), 'b' (...)" to `buffer`: the first 4 LSIs of libraries, each once, and " and 7 more" if there are
+/// further ones. Allocates nothing.
 /// @return number of bytes written
 std::size_t describe_known_lsis(const GuardBlock& block, char* buffer, std::size_t size);
 /// The error of a process that ended without a report: names the LSI that was running, the phase, or the LSIs of libraries.

@@ -221,7 +221,7 @@ Result<Inspection> inspect_elf(std::string_view bytes, const std::string& locati
 }
 
 Result<Inspection> inspect_library(const std::string& path) {
-  const Result<std::string> bytes = files::read_file(path, max_bytes);
+  const Result<std::string> bytes = files::read_regular_file(path, max_bytes);
   if (!bytes) return fail(bytes.error());
   Inspection out;
   if (fmi::is_zip(*bytes)) {

@@ -2,8 +2,6 @@
 
 #include <dlfcn.h>
 #include <link.h>
-#include <stdlib.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -13,6 +11,7 @@
 #include "ugoki/base/sha256.h"
 #include "ugoki/circuit/setup.h"
 #include "ugoki/files/files.h"
+#include "ugoki/files/temporary_folder.h"
 #include "ugoki/fmi/archive.h"
 #include "ugoki/fmi/load.h"
 #include "ugoki/plugin/declarations.h"
@@ -64,11 +63,9 @@ void note_addresses(Code& code, const std::string& path) {
 /// Loads a library from a private copy of its bytes. Without a copy, dlopen would return the old code for a rebuilt file of the same path,
 /// and overwriting the file would change the code that runs.
 Result<std::shared_ptr<Code>> open_copy(const std::string& path, const std::string& bytes) {
-  std::error_code ec;
-  std::string folder = (fs::temp_directory_path(ec) / "ugoki-lsi-XXXXXX").string();
-  if (ec || ::mkdtemp(folder.data()) == nullptr)
-    return fail(ErrorCode::io, path, "No temporary folder can be created.", "Set TMPDIR to a folder that you may write to.");
-  const std::string copy = folder + "/" + fs::path(path).filename().string();
+  const Result<files::TemporaryFolder> folder = files::TemporaryFolder::make("lsi", path);
+  if (!folder) return fail(folder.error());
+  const std::string copy = folder->path() + "/" + fs::path(path).filename().string();
   const Result<void> written = files::write_file(copy, std::string_view(bytes));
   auto code = std::make_shared<Code>();
   code->name = fs::path(path).filename().string();
@@ -76,7 +73,6 @@ Result<std::shared_ptr<Code>> open_copy(const std::string& path, const std::stri
   if (written) code->handle = dlopen(copy.c_str(), RTLD_NOW | RTLD_LOCAL);
   const char* why = written && !code->handle ? dlerror() : nullptr;
   std::string reason = why ? why : "";
-  fs::remove_all(folder, ec);
   if (!written) return fail(written.error());
   if (code->handle) {
     note_addresses(*code, path);
@@ -114,10 +110,15 @@ void* create_object(circuit::Setup& setup) {
   return object;
 }
 
-/// Returns the error for a file whose hash differs from the expected hash.
-Error changed_error(const std::string& path, const std::string& hash) {
-  return Error(ErrorCode::conflict, path, "The file has changed since it was installed: its SHA-256 is now " + hash + ".",
-               "Install it again if you trust it: ugoki lsi install FILE");
+/// Reads the file of a library, and computes its hash. Errors: see check_library_file().
+Result<std::string> read_checked(const std::string& path, const std::string& expected, std::string& hash) {
+  Result<std::string> bytes = files::read_regular_file(path, max_bytes);
+  if (!bytes) return bytes;
+  hash = sha256(*bytes);
+  if (!expected.empty() && hash != expected)
+    return fail(ErrorCode::conflict, path, "The file has changed since it was installed: its SHA-256 is now " + hash + ".",
+                "Install it again if you trust it: ugoki lsi install FILE");
+  return bytes;
 }
 
 /// Implements load_library() for an FMU.
@@ -130,12 +131,17 @@ Result<LoadedLibrary> load_unit(const std::string& path, std::string bytes, cons
 
 }  // namespace
 
+Result<void> check_library_file(const std::string& path, const std::string& hash) {
+  std::string own;
+  const Result<std::string> bytes = read_checked(path, hash, own);
+  if (!bytes) return fail(bytes.error());
+  return {};
+}
+
 Result<LoadedLibrary> load_library(const std::string& path, const std::string& hash) {
-  Result<std::string> bytes = files::read_file(path, max_bytes);
-  if (!bytes) return fail(std::move(bytes.error()));
   LoadedLibrary out;
-  out.hash = sha256(*bytes);
-  if (!hash.empty() && out.hash != hash) return fail(changed_error(path, out.hash));
+  Result<std::string> bytes = read_checked(path, hash, out.hash);
+  if (!bytes) return fail(std::move(bytes.error()));
   if (fmi::is_zip(*bytes)) return load_unit(path, std::move(*bytes), out.hash);
   Result<std::shared_ptr<Code>> code = open_copy(path, *bytes);
   if (!code) return fail(std::move(code.error()));
@@ -160,13 +166,10 @@ Result<LoadedLibrary> load_library(const std::string& path, const std::string& h
 }
 
 Result<void> try_library(const std::string& path, const std::string& hash) {
-  Result<std::string> bytes = files::read_file(path, max_bytes);
+  std::string own;
+  Result<std::string> bytes = read_checked(path, hash, own);
   if (!bytes) return fail(std::move(bytes.error()));
-  if (fmi::is_zip(*bytes)) {
-    std::string own = sha256(*bytes);
-    if (!hash.empty() && own != hash) return fail(changed_error(path, own));
-    return fmi::try_fmu(path, std::move(*bytes), std::move(own), set_phase);
-  }
+  if (fmi::is_zip(*bytes)) return fmi::try_fmu(path, std::move(*bytes), std::move(own), set_phase);
   const Result<LoadedLibrary> library = load_library(path, hash);
   if (!library) return fail(library.error());
   return {};

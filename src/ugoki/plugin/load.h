@@ -20,9 +20,13 @@ struct LoadedLibrary {
   std::shared_ptr<void> code;  ///< owner of the loaded code of `classes`
 };
 
+/// Checks the file of a library without loading it. Errors: the file is missing, is not a regular file, cannot be read, is larger than
+/// 1 GiB, or has another hash. @param hash expected SHA-256 of the file, 64 hexadecimal digits; empty: any hash
+[[nodiscard]] Result<void> check_library_file(const std::string& path, const std::string& hash);
+
 /// Loads a shared library or an FMU. A shared library is loaded from a private copy, so its file may be replaced while the library is in
-/// use. Errors (location: the path, or the LSI): the file cannot be opened, is not a library of LSIs, was built for another version of the
-/// interface, or has contradictory declarations.
+/// use. Errors (location: the path, or the LSI): those of check_library_file(); the file cannot be opened, is not a library of LSIs, was
+/// built for another version of the interface, or has contradictory declarations.
 /// @param hash expected SHA-256 of the file, 64 hexadecimal digits; another file is refused; empty: any file
 [[nodiscard]] Result<LoadedLibrary> load_library(const std::string& path, const std::string& hash = {});
 

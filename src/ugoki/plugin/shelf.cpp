@@ -66,7 +66,7 @@ std::vector<ShelfEntry> read_shelf(const std::string& folder, Error* problems) {
   for (const fs::directory_entry& file : fs::directory_iterator(folder, ec)) {
     if (file.path().extension() != ".json") continue;
     const std::string path = file.path().string();
-    const Result<std::string> text = files::read_file(path, max_manifest);
+    const Result<std::string> text = files::read_regular_file(path, max_manifest);
     if (!text) {
       reported.problems.insert(reported.problems.end(), text.error().problems.begin(), text.error().problems.end());
       continue;
@@ -105,7 +105,7 @@ Result<ShelfEntry> put_on_shelf(const std::string& folder, const std::string& pa
   Error problems;
   ShelfEntry entry = read_entry(*json, path + ":", problems);
   if (!problems.empty()) return fail(std::move(problems));
-  const Result<std::string> bytes = files::read_file(path);
+  const Result<std::string> bytes = files::read_regular_file(path);
   if (!bytes) return fail(bytes.error());
   if (sha256(*bytes) != entry.hash)
     return fail(ErrorCode::conflict, path, "The file has changed since its hash was confirmed.", "Install it again.");

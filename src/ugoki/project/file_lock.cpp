@@ -1,20 +1,34 @@
 #include "ugoki/project/file_lock.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <mutex>
+#include <optional>
+#include <thread>
 #include <utility>
+
+#include "ugoki/base/number.h"
 
 namespace ugoki::project {
 namespace {
 
 std::mutex held_mutex;  // protects FileLock::held()
+
+constexpr std::chrono::milliseconds retry_period{20};
+
+/// True if no process has this id, or if the text is no process id.
+bool has_ended(const std::string& process) {
+  const std::optional<long> id = parse_long(process);
+  return !id || *id <= 0 || (::kill(static_cast<pid_t>(*id), 0) != 0 && errno == ESRCH);
+}
 
 }  // namespace
 
@@ -24,7 +38,9 @@ Result<FileLock> FileLock::take(const std::string& path) {
   const fs::path real = fs::weakly_canonical(path, unresolved);  // different names (links) of one file share a lock
   const fs::path file = unresolved ? fs::path(path) : real;
   const std::string lock_path = (file.parent_path() / (".~" + file.filename().string() + ".lock")).string();
+  std::string ended_holder;
   for (int attempt = 0; attempt < 100; ++attempt) {
+    if (!ended_holder.empty()) std::this_thread::sleep_for(retry_period);
     const int descriptor = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (descriptor < 0)
       return fail(ErrorCode::io, path, "The lock file next to the project cannot be created: " + std::string(std::strerror(errno)) + ".",
@@ -37,6 +53,11 @@ Result<FileLock> FileLock::take(const std::string& path) {
       if (error != EWOULDBLOCK)
         return fail(ErrorCode::io, path, "The file cannot be locked: " + std::string(std::strerror(error)) + ".",
                     "Copy it to a local disk and open the copy.");
+      // A process that the holder was starting when it was killed has the lock until its exec.
+      if (size > 0 && has_ended(holder)) {
+        ended_holder = holder;
+        continue;
+      }
       const std::string by = size > 0 ? " (process " + std::string(holder) + ")" : "";
       return fail(ErrorCode::conflict, path, "The project is already open in another program" + by + ".",
                   "Close it there first, or work on a copy.");
@@ -54,6 +75,9 @@ Result<FileLock> FileLock::take(const std::string& path) {
     }
     ::close(descriptor);
   }
+  if (!ended_holder.empty())
+    return fail(ErrorCode::conflict, path, "The project is locked by a program that the ended process " + ended_holder + " has started.",
+                "Wait until that program ends, or work on a copy.");
   return fail(ErrorCode::conflict, path, "Another program keeps opening and closing the project.", "Try again.");
 }
 
@@ -81,9 +105,12 @@ Result<void> FileLock::take_file(const std::string& path) {
   range.l_whence = SEEK_SET;
   range.l_start = off_t{1} << 40;
   range.l_len = 1;
-  if (::fcntl(descriptor, F_OFD_SETLK, &range) != 0 && (errno == EAGAIN || errno == EACCES)) {
-    ::close(descriptor);
-    return conflict("");
+  for (int attempt = 0; ::fcntl(descriptor, F_OFD_SETLK, &range) != 0 && (errno == EAGAIN || errno == EACCES); ++attempt) {
+    if (attempt == 10) {
+      ::close(descriptor);
+      return conflict("");
+    }
+    std::this_thread::sleep_for(retry_period);  // as in take(): the process of a killed holder may be about to release it
   }
   // On file systems without such locks, only the lock file of take() protects the project.
   file_ = descriptor;

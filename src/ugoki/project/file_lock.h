@@ -13,7 +13,8 @@ class FileLock {
  public:
   FileLock() = default;
   /// Locks a lock file in the folder of `path`: ".~NAME.lock", which contains the process id of the holder.
-  /// Error `conflict`, with the holder's process id, if another program holds the lock.
+  /// Error `conflict`, with the holder's process id, if another program holds the lock. If the holder has ended, waits up to 2 s, because a
+  /// process that it has started may have a copy of the lock until its exec.
   [[nodiscard]] static Result<FileLock> take(const std::string& path);
   /// Locks the file itself, so that its other names (hard links) share the lock. The file must exist and must not be open in this process;
   /// destroy the lock after closing the file. Error `conflict` as in take().

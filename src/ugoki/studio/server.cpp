@@ -37,6 +37,7 @@ constexpr std::uint32_t max_header_bytes = 16 * 1024;
 constexpr std::size_t max_small_body = std::size_t{256} * 1024;  // maximum body of a request other than an import, bytes
 constexpr std::size_t max_open_body = 1024;                      // maximum body of a request without the token, bytes
 constexpr std::chrono::seconds page_silence{60};                 // a page that answers no ping for this time is disconnected
+constexpr std::chrono::seconds drain_time{2};                    // the rest of a refused request is read for at most this time
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -55,12 +56,15 @@ class Server::Impl : public std::enable_shared_from_this<Server::Impl> {
   void shut();
   void accept();
   void remove(ClientId client);
-  /// Closes the connection that waits longest without an admitted request. Returns false if there is none.
+  /// Closes the connection that waits longest without an admitted request, else the oldest slow upload. Returns false if there is neither.
   bool close_oldest();
+  /// Closes the oldest upload if it has taken longer than options.upload_time. Returns false if there is none.
+  bool close_slow_upload();
   void deliver(ClientId client, const std::shared_ptr<const std::string>& text);
 
   /// Connections without an admitted request, oldest first. Each one removes itself in its destructor, so the map must outlive `io`.
   std::map<std::uint64_t, HttpConnection*> unadmitted;
+  std::map<std::uint64_t, HttpConnection*> uploads;  ///< connections with an admitted request whose body is incomplete; as `unadmitted`
   net::io_context io{1};
   ServerOptions options;
   ServerEvents& events;
@@ -196,16 +200,18 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(tcp::socket socket, Server::Impl& server) : slot_(server.connections), stream_(std::move(socket)), server_(server) {}
-  ~HttpConnection() { set_admitted(true); }
+  ~HttpConnection() { leave_lists(); }
   HttpConnection(const HttpConnection&) = delete;
   HttpConnection& operator=(const HttpConnection&) = delete;
 
   /// Closes the connection before its request is complete, and frees its place among the open connections.
   void drop() {
-    set_admitted(true);
+    leave_lists();
     slot_.release();
     close();
   }
+  /// Time since the body of the request began.
+  [[nodiscard]] std::chrono::steady_clock::duration upload_time() const { return std::chrono::steady_clock::now() - upload_began_; }
 
   void read_header() {
     parser_.emplace();
@@ -243,6 +249,11 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                               : target_.path == "/api/import" || target_.path.starts_with("/api/import/") ? server_.options.max_import_bytes
                                                                                                           : max_small_body;
     if (parser_->content_length().value_or(0) > limit) return refuse_size(limit);
+    if (granted && !body_arrived() && !begin_upload()) {
+      return refuse(503, {ErrorCode::conflict, target_.path,
+                          "The studio receives " + std::to_string(server_.options.max_uploads) + " other requests at the moment.",
+                          "Send the request again in a few seconds."});
+    }
     body_limit_ = limit;
     parser_->body_limit(limit);
     stream_.expires_after(granted ? server_.options.body_time : server_.options.request_time);
@@ -286,6 +297,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   void on_body(error_code ec) {
+    end_upload();
     if (ec) return on_read_error(ec);
     if (target_.path == "/api/session") return open_session();
     if (target_.path.starts_with("/api/")) return call_api();
@@ -383,6 +395,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     const bool as_page = view(parser_->get()[http::field::accept]).find("text/html") != std::string_view::npos;
     Response response = make_response(static_cast<http::status>(status), as_page ? "text/html; charset=utf-8" : "application/json");
     response.set(http::field::cache_control, "no-store");
+    if (status == 503) response.set(http::field::retry_after, std::to_string(server_.options.upload_time.count()));
     response.body() = as_page ? error_page(error) : error_body(error);
     if (!parser_->is_done()) {
       drain_ = true;
@@ -428,21 +441,44 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
       if (keep_alive) return self->read_header();
       error_code ignored;
       self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
-      if (self->drain_) return self->drain();
-      self->close();
+      if (!self->drain_) return self->close();
+      self->set_admitted(false);
+      self->stream_.expires_after(drain_time);
+      self->drain();
     });
   }
 
-  /// Reads and discards the rest of the request for up to 2 s. Closing the connection with unread data would reset it, and the client
-  /// could lose the answer.
+  /// Reads and discards the rest of the request until the stream expires. Closing the connection with unread data would reset it, and the
+  /// client could lose the answer.
   void drain() {
-    stream_.expires_after(std::chrono::seconds(2));
     drained_.resize(std::size_t{64} * 1024);
     stream_.async_read_some(net::buffer(drained_), [self = shared_from_this()](error_code ec, std::size_t size) {
       self->drained_bytes_ += size;
       if (ec || self->drained_bytes_ > self->server_.options.max_import_bytes) return self->close();
       self->drain();
     });
+  }
+
+  /// True if the whole body of the request is in the buffer already, or the request has none.
+  [[nodiscard]] bool body_arrived() const {
+    const auto length = parser_->content_length();
+    return parser_->is_done() || (length && *length <= buffer_.size());
+  }
+  /// Counts this connection as an upload. Returns false if there are too many.
+  bool begin_upload() {
+    if (server_.uploads.size() >= server_.options.max_uploads && !server_.close_slow_upload()) return false;
+    upload_id_ = ++server_.last_id;
+    upload_began_ = std::chrono::steady_clock::now();
+    server_.uploads[upload_id_] = this;
+    return true;
+  }
+  void end_upload() {
+    if (upload_id_ != 0) server_.uploads.erase(upload_id_);
+    upload_id_ = 0;
+  }
+  void leave_lists() {
+    set_admitted(true);
+    end_upload();
   }
 
   /// @param admitted false: the connection may be closed in favour of a new one (Impl::close_oldest)
@@ -467,6 +503,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   Target target_;
   std::size_t body_limit_ = 0;       // maximum size of the request's body, bytes
   std::uint64_t unadmitted_id_ = 0;  ///< key of this connection in Impl::unadmitted; 0: not in the map
+  std::uint64_t upload_id_ = 0;      ///< key of this connection in Impl::uploads; 0: not in the map
+  std::chrono::steady_clock::time_point upload_began_;
   bool drain_ = false;
   std::vector<char> drained_;
   std::size_t drained_bytes_ = 0;
@@ -537,8 +575,14 @@ void Server::Impl::shut() {
 }
 
 bool Server::Impl::close_oldest() {
-  if (unadmitted.empty()) return false;
+  if (unadmitted.empty()) return close_slow_upload();
   unadmitted.begin()->second->drop();
+  return true;
+}
+
+bool Server::Impl::close_slow_upload() {
+  if (uploads.empty() || uploads.begin()->second->upload_time() < options.upload_time) return false;
+  uploads.begin()->second->drop();
   return true;
 }
 

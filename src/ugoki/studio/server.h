@@ -49,6 +49,8 @@ struct ServerOptions {
   std::chrono::seconds header_time{5};                    ///< timeout for a request's header; also ends an idle connection
   std::chrono::seconds request_time{15};                  ///< timeout for a reply, and for the body of a request without the token
   std::chrono::seconds body_time{120};                    ///< timeout for the body of a request with the token
+  std::size_t max_uploads = 32;                           ///< requests with the token whose bodies arrive at the same time
+  std::chrono::seconds upload_time{10};                   ///< beyond max_uploads, a new body replaces the oldest one that takes longer
 };
 
 /// The HTTP and WebSocket server. Runs on its own thread from listen() to the destructor.
