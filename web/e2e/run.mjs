@@ -1,5 +1,5 @@
 // npm run e2e [-- words]: runs the first journey and those whose names contain the words; prints one line for each and the counts.
-// A journey that fails runs once more in the restored studio, because a busy machine can miss a time limit; its line names the first failure.
+// A journey that fails runs again in the restored studio, because a busy machine can miss a time limit; its line names the first failure.
 // Environment: UGOKI_BIN, UGOKI_CHROMIUM, UGOKI_MOCK=1.
 import { launch, ready } from './browser.mjs';
 import { journeys as all } from './journeys.mjs';
@@ -32,7 +32,7 @@ async function recover(page, before) {
 
 const indented = (error) => String(error.message ?? error).split('\n').join('\n  ');
 
-/** Runs a journey, after a failure once more; returns the error of the first attempt, or undefined. Throws what the second attempt throws. */
+/** Runs a journey, after a failure again; returns the error of the first attempt, or undefined. Throws what the second attempt throws. */
 async function attempt(journey, context, before) {
   const { page, service, seen } = context;
   const memory = { ...context.memory };

@@ -22,10 +22,14 @@ constexpr double slice_seconds = 0.004;  // maximum time in one call of work(), 
 constexpr double max_lag = 0.25;         // s; when playing lags behind the clock by more than this, it slows down and does not catch up
 constexpr double cheap_seconds = 3;      // maximum time for recomputing the simulation after an edit, s; otherwise it starts at 0
 constexpr double transport_period = 0.5, summary_period = 0.25;  // times between two reports, s
+constexpr std::size_t max_measures = 40'000;                     // maximum count of values in one event `measures`, about 300 KB of text
 
 Error make_error(ErrorCode code, std::string location, std::string message, std::string remedy) {
   return {code, std::move(location), std::move(message), std::move(remedy)};
 }
+
+/// `value` rounded to multiples of 0.001, which is finer than any limit of the measures and keeps their text short.
+double rounded(float value) { return std::round(static_cast<double>(value) * 1000) / 1000; }
 
 /// True if simulating `seconds` of content takes at most cheap_seconds of clock time. It is then done without asking the user.
 bool is_cheap_to(double seconds, double realtime_factor) { return seconds <= cheap_seconds * realtime_factor; }
@@ -123,10 +127,7 @@ Result<void> Interpreter::play(std::optional<double> speed) {
     return fail(make_error(ErrorCode::structure, "transport", "The simulation cannot continue: " + status_,
                            "Restart the simulation, or change the content."));
   }
-  if (shown_ >= simulation_->duration() - 0.5 * simulation_->step_size()) {
-    shown_ = 0;
-    mode_ == PlayMode::edit ? show_edit(0) : show_recorded(0);
-  }
+  if (shown_ >= play_end() - 0.5 * simulation_->step_size()) return_to_begin();
   if (mode_ == PlayMode::simulate && !playing_ && goal_ == Goal::none && breakpoints_.active())
     if (Result<void> r = rewind_to_shown(); !r) return r;
   if (goal_ == Goal::tick) goal_ = Goal::none;
@@ -188,6 +189,8 @@ Result<void> Interpreter::restart() {
   if (Result<void> r = require_content(); !r) return r;
   goal_ = Goal::none;
   recording_->truncate(0);
+  measures_sent_ = 0;
+  measures_cut_ = true;
   if (Result<void> r = simulation_->restore(recording_->checkpoint_before(0).state); !r) return r;
   watch_.changed();
   breakpoints_.rearm();
@@ -238,6 +241,8 @@ void Interpreter::begin_recording() {
   replay_until_ = 0;
   quality_ = {};
   quality_step_ = 0;
+  measures_sent_ = 0;
+  measures_cut_ = true;
   record_head();
 }
 
@@ -248,6 +253,10 @@ Result<void> Interpreter::truncate(std::int64_t step) {
   if (checkpoint.step == 0) breakpoints_.rearm();
   next_input_ = recording_->first_input(checkpoint.step);
   recording_->truncate(step);
+  if (recording_->frame_count() < measures_sent_) {
+    measures_sent_ = recording_->frame_count();
+    measures_cut_ = true;
+  }
   blown_up_ = false;
   while (simulation_->step_count() < step) {
     if (!advance_head()) return fail(make_error(ErrorCode::structure, "transport", status_, "Restart the simulation."));
@@ -280,9 +289,13 @@ void Interpreter::record_head() {
   simulation_->encode_frame(frame_);
   const auto characters = static_cast<int>(simulation_->cast().size());
   std::vector<std::uint8_t> feet;
-  for (int c = 0; c < characters; ++c) feet.push_back(simulation_->feet_on_ground(c));
+  std::vector<MomentMeasures> measures;
+  for (int c = 0; c < characters; ++c) {
+    feet.push_back(simulation_->feet_on_ground(c));
+    measures.push_back(simulation_->moment(c));
+  }
   set_frame_header(frame_, time_of(step), 0, 0);
-  recording_->add_frame(frame_, feet);
+  recording_->add_frame(frame_, feet, measures);
 }
 
 void Interpreter::set_goal(Goal goal, std::int64_t step) {
@@ -358,7 +371,7 @@ double Interpreter::work() {
       report_transport();
       report_breakpoint();
       report_summary();
-    } else if (shown_ >= simulation_->duration() - 0.5 * simulation_->step_size()) {
+    } else if (shown_ >= play_end() - 0.5 * simulation_->step_size()) {
       finish_play();
     }
   }
@@ -367,9 +380,10 @@ double Interpreter::work() {
 }
 
 void Interpreter::tick() {
-  const double time = std::min(anchor_time_ + static_cast<double>(ticks_) / display_rate * speed_, simulation_->duration());
+  const double end = play_end();
+  const double time = std::min(anchor_time_ + static_cast<double>(ticks_) / display_rate * speed_, end);
   ++ticks_;
-  const bool last = time >= simulation_->duration();
+  const bool last = time >= end;
   if (mode_ == PlayMode::edit) {
     show_edit(time);
     if (last) finish_play();
@@ -462,9 +476,45 @@ void Interpreter::anchor() {
   ticks_ = 1;  // the next tick shows the frame after this one
 }
 
+double Interpreter::play_end() const {
+  const double duration = simulation_->duration();
+  return shown_ <= range_to_ + 0.5 * simulation_->step_size() ? std::min(range_to_, duration) : duration;
+}
+
+double Interpreter::play_begin() const { return range_from_ < std::min(range_to_, simulation_->duration()) ? range_from_ : 0; }
+
+void Interpreter::set_range(double from, double to, bool loop) {
+  range_from_ = std::max(0.0, from);
+  range_to_ = to;
+  loop_ = loop;
+  if (simulation_) report_transport();
+}
+
+/// Shows the begin of the range. In simulate mode, a begin after the head becomes a goal that the simulation is computed up to.
+void Interpreter::return_to_begin() {
+  const double begin = play_begin();
+  if (mode_ == PlayMode::edit) {
+    show_edit(begin);
+  } else if (step_at(begin) <= simulation_->step_count()) {
+    shown_ = begin;
+    show_recorded(begin);
+  } else {
+    set_goal(Goal::seek, step_at(begin));
+  }
+}
+
 void Interpreter::finish_play() {
+  const bool stopped = blown_up_ && mode_ == PlayMode::simulate;
+  if (loop_ && !stopped) {
+    return_to_begin();
+    if (mode_ == PlayMode::simulate && goal_ == Goal::none && breakpoints_.active())
+      if (Result<void> r = rewind_to_shown(); !r) return stop(r.error());
+    anchor();
+    report_transport();
+    return report_summary();
+  }
   playing_ = false;
-  if (blown_up_ && mode_ == PlayMode::simulate)
+  if (stopped)
     report_stop();  // repeated, so that the user sees why the recording ends here
   else
     status_ = "end";
@@ -494,6 +544,7 @@ void Interpreter::report_transport() {
                    {"mode", mode_ == PlayMode::edit ? "edit" : "simulate"},
                    {"playing", playing_},
                    {"speed", speed_},
+                   {"loop", loop_},
                    {"time", shown_},
                    {"duration", simulation_->duration()},
                    {"simulated", head_time()},
@@ -531,6 +582,45 @@ void Interpreter::report_summary() {
     contacts.push_back({{"character", cast[static_cast<std::size_t>(s.character)].id}, {"from", s.from}, {"to", s.to}, {"feet", s.feet}});
   }
   sink_.message(Json{{"event", "summary"}, {"characters", std::move(characters)}, {"contacts", std::move(contacts)}}.dump());
+  report_measures();
+}
+
+void Interpreter::resend_measures() {
+  measures_sent_ = 0;
+  measures_cut_ = true;
+  summary_due_ = true;
+}
+
+/// Sends the event `measures` with the frames that the pages do not have; if there are too many for one event, the rest is due later.
+void Interpreter::report_measures() {
+  const std::size_t frames = recording_->frame_count();
+  if (!measures_cut_ && measures_sent_ == frames) return;
+  const std::vector<CastMember>& cast = simulation_->cast();
+  const std::size_t end =
+      std::min(frames, measures_sent_ + std::max<std::size_t>(1, max_measures / (4 * std::max<std::size_t>(1, cast.size()))));
+  Json characters = Json::array();
+  for (std::size_t c = 0; c < cast.size(); ++c) {
+    Json tracking = Json::array(), assist = Json::array(), slip = Json::array(), depth = Json::array(), fell = nullptr;
+    for (std::size_t n = measures_sent_; n < end; ++n) {
+      const MomentMeasures& m = recording_->measures(n)[c];
+      tracking.push_back(rounded(m.tracking_deg));
+      assist.push_back(rounded(m.assist_bw));
+      slip.push_back(rounded(m.slip_cm));
+      depth.push_back(rounded(m.depth_mm));
+      if (m.fell && fell.is_null()) fell = n;
+    }
+    characters.push_back({{"id", cast[c].id},
+                          {"tracking_deg", std::move(tracking)},
+                          {"assist_bw", std::move(assist)},
+                          {"slip_cm", std::move(slip)},
+                          {"depth_mm", std::move(depth)},
+                          {"fell", std::move(fell)}});
+  }
+  const Json event{{"event", "measures"}, {"rate", recording_->rate()}, {"from", measures_sent_}, {"characters", std::move(characters)}};
+  sink_.message(event.dump());
+  measures_sent_ = end;
+  measures_cut_ = false;
+  if (end < frames) summary_due_ = true;
 }
 
 void Interpreter::watch(WatchRequest request) {
