@@ -56,9 +56,12 @@ const pause = async (page) => {
 const deep_views = [
   ['the circuit', async (page) => {
     await tab(page, 'Circuit');
-    await page.locator('.react-flow__node').first().waitFor();
+    await page.locator('.circuit[role=application]').waitFor();
   }],
-  ['a selected LSI', (page) => page.locator('.react-flow__node').first().click({ position: { x: 12, y: 8 } }), escape],
+  ['all LSIs selected', async (page) => {
+    await page.locator('.circuit[role=application]').focus();
+    await page.keyboard.press('Control+a');
+  }, escape],
   ['the search of LSIs', async (page) => {
     await page.keyboard.press('Control+k');
     await page.keyboard.type('add an lsi');
@@ -74,7 +77,7 @@ const deep_views = [
   }],
   ['naturalness', async (page) => {
     await mode(page, 'Simulate');
-    await page.keyboard.press('Space');
+    await page.getByRole('button', { name: 'Play' }).click();
     for (let i = 0; i < 1200 && (await page.evaluate('window.ugoki.measures().frames')) < 40; i++) await page.waitForTimeout(50);
     await pause(page);
     await page.locator('.nat-row').first().waitFor();

@@ -261,6 +261,7 @@ export const editor_journeys = [
     async run({ page }) {
       const before = await document_of(page);
       const human = before.characters.find((c) => c.track.length > 0);
+      await page.getByRole('tab', { name: 'Scenario' }).click();
       await set_mode(page, 'Edit');
       await seek(page, 1);
       await page.locator(`[data-character="${human.id}"] .track-name`).click();
@@ -274,8 +275,8 @@ export const editor_journeys = [
       await page.getByRole('tab', { name: 'Naturalness' }).click();
       await page.locator('.naturalness, .panel.empty:visible').first().waitFor();
       await page.keyboard.press('Shift+R');
-      await page.keyboard.press('Space');
-      await until(page, async () => (await hook(page, 'measures()')).frames > 190, '3 s of measures', 180000);
+      await page.getByRole('button', { name: 'Play' }).click();
+      await until(page, async () => (await hook(page, 'measures()')).frames > 190, '3 s of measures', 120000);
       await page.getByRole('button', { name: 'Pause' }).click();
       await until(page, async () => !(await hook(page, 'transport()')).playing, 'the pause');
       await page.waitForTimeout(700); // the measures of the last frames
@@ -304,7 +305,7 @@ export const editor_journeys = [
       assert.ok(rows.slice(1).every((row) => row.split(',').length === rows[0].split(',').length && row.split(',').every((cell) => Number.isFinite(Number(cell)))));
       assert.ok(rows.at(-1).split(',')[5] === '1', 'the last row reports the fall');
       await page.getByRole('tab', { name: 'Scenario' }).click();
-      assert.ok((await page.locator(`[data-character="${human.id}"] .bad-mark`).count()) > 0, 'the timeline marks the problems');
+      assert.ok((await page.locator(`[data-character="${human.id}"] .problem-mark`).count()) > 0, 'the timeline marks the problems');
       await set_mode(page, 'Edit');
       await focus_scenario(page);
       for (let i = 0; i < 6 && JSON.stringify(await document_of(page)) !== JSON.stringify(before); i++) {

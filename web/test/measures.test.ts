@@ -26,11 +26,18 @@ describe('MeasureHistory', () => {
     expect(made.bad_spans('human', measure('slip_cm'))).toHaveLength(1);
   });
   it('compares in the displayed unit: 0.15 body weights are 15 %', () => {
-    const made = history(Array.from({ length: 20 }, () => 0));
-    expect(made.bad_spans('human', measure('assist_bw'))[0]!.from).toBeCloseTo(1.6, 9);
-    expect(made.peak('human', measure('assist_bw'))).toEqual({ at: 1.9, value: 19 });
-    expect(made.value_at('human', measure('assist_bw'), 0.5)).toBeCloseTo(5, 9);
-    expect(made.value_at('human', measure('assist_bw'), 5)).toBeNaN();
+    const still = { ...samples(Array.from({ length: 20 }, () => 0)), assist_bw: Array.from({ length: 20 }, (_, i) => (i < 10 ? 0.1 : 0.2)) };
+    const made = new MeasureHistory().after({ rate: 4, from: 0, characters: [still] });
+    expect(made.value_at('human', measure('assist_bw'), 0.5)).toBeCloseTo(10, 9);
+    expect(made.peak('human', measure('assist_bw'))!.value).toBeCloseTo(20, 9);
+    expect(made.value_at('human', measure('assist_bw'), 50)).toBeNaN();
+    expect(made.bad_spans('human', measure('assist_bw'))).toHaveLength(1);
+  });
+  it('averages measures with an rms limit over 0.25 s, so that a short peak is not bad, but a longer one is', () => {
+    const assist = (frames: number) => Array.from({ length: 120 }, (_, i) => (i >= 60 && i < 60 + frames ? 0.3 : 0));
+    const spans = (frames: number) => new MeasureHistory().after({ rate: 60, from: 0, characters: [{ ...samples(assist(frames)), assist_bw: assist(frames) }] }).bad_spans('human', measure('assist_bw'));
+    // the rms of n frames of 30 % among 17 exceeds 15 % if n > 17 / 4
+    expect([2, 4, 5].map((n) => spans(n).length)).toEqual([0, 0, 1]);
   });
   it('marks everything after a fall', () => {
     const spans = history([0, 0, 0, 0, 0], 2).bad_spans('human', measure('fell'));

@@ -11,8 +11,6 @@ export interface GalleryEntry {
   from: 'empty' | 'sample' | (() => Promise<object>);
   /** Changes of the new project, applied as one undo step. */
   commands?: () => Command[];
-  /** Time (s) at which the picture is taken, in simulate mode. */
-  picture_at: number;
 }
 
 const group = (label: string, commands: Command[]): Command[] => [{ type: 'group', label, commands }];
@@ -61,12 +59,12 @@ function rag_dolls(): Command[] {
 }
 
 export const gallery: readonly GalleryEntry[] = [
-  { id: 'empty', title: 'Empty', teaches: 'A floor and nothing else: drag characters and motions from the library.', from: 'empty', picture_at: 0 },
-  { id: 'park', title: 'Walk in the park', teaches: 'A human walks, a dog trots, and a ball hits the human: clips, a throw, and balance.', from: 'sample', picture_at: 3.2 },
-  { id: 'push-test', title: 'Push test', teaches: 'Three pushes of growing force, marked on the timeline: how much does the walk withstand?', from: 'sample', commands: pushes, picture_at: 5.3 },
-  { id: 'parade', title: 'Parade', teaches: 'Twelve walkers in formation: many characters, solo and mute of tracks.', from: 'sample', commands: parade, picture_at: 1.4 },
-  { id: 'rag-dolls', title: 'Rag dolls', teaches: 'Three bodies without control fall on the floor: passive drive, contacts and joint limits.', from: 'sample', commands: rag_dolls, picture_at: 1 },
-  { id: 'dominoes', title: 'Dominoes', teaches: 'One push tips a row of twenty stones: events and contacts between many bodies.', from: async () => (await import('../../../examples/content/dominoes.json')).default, picture_at: 1.6 },
-  { id: 'tower', title: 'Tower', teaches: 'A thrown ball knocks over a stack of blocks: resting contact and friction.', from: async () => (await import('../../../examples/content/tower.json')).default, picture_at: 1.25 },
-  { id: 'chain', title: 'Chain', teaches: 'A ball hits a hanging chain: a mechanism that is fixed to the world.', from: async () => (await import('../../../examples/content/chain.json')).default, picture_at: 1.1 },
+  { id: 'empty', title: 'Empty', teaches: 'A floor and nothing else: drag characters and motions from the library.', from: 'empty' },
+  { id: 'park', title: 'Walk in the park', teaches: 'A human walks, a dog trots, and a ball hits the human: clips, a throw, and balance.', from: 'sample' },
+  { id: 'push-test', title: 'Push test', teaches: 'Three pushes of growing force, marked on the timeline: how much does the walk withstand?', from: 'sample', commands: pushes },
+  { id: 'parade', title: 'Parade', teaches: 'Twelve walkers in formation: many characters, solo and mute of tracks.', from: 'sample', commands: parade },
+  { id: 'rag-dolls', title: 'Rag dolls', teaches: 'Three bodies without control fall on the floor: passive drive, contacts and joint limits.', from: 'sample', commands: rag_dolls },
+  { id: 'dominoes', title: 'Dominoes', teaches: 'One push tips a row of twenty stones: events and contacts between many bodies.', from: async () => (await import('../../../examples/content/dominoes.json')).default },
+  { id: 'tower', title: 'Tower', teaches: 'A thrown ball knocks over a stack of blocks: resting contact and friction.', from: async () => (await import('../../../examples/content/tower.json')).default },
+  { id: 'chain', title: 'Chain', teaches: 'A ball hits a hanging chain: a mechanism that is fixed to the world.', from: async () => (await import('../../../examples/content/chain.json')).default },
 ];

@@ -10,6 +10,8 @@ export interface Timed {
   /** Factor from the service's unit to the displayed unit. */
   scale: number;
   digits: number;
+  /** True: values over time are root mean squares over `rms_time`, because the limit is one of a root mean square. */
+  rms?: boolean;
   /** A displayed value above this is bad. The limits are those of `ugoki judge`. */
   bad: number;
   /** Name of the column of a CSV table. */
@@ -18,8 +20,8 @@ export interface Timed {
 
 /** All measures of `ugoki judge` with their default limits (apps/ugoki/judge.cpp). */
 export const timed_measures: readonly Timed[] = [
-  { key: 'assist_bw', name: 'Root assist', unit: '%', scale: 100, digits: 1, bad: 15, column: 'root_assist_bw' },
-  { key: 'tracking_deg', name: 'Tracking', unit: '°', scale: 1, digits: 1, bad: 5, column: 'tracking_deg' },
+  { key: 'assist_bw', name: 'Root assist', unit: '%', scale: 100, digits: 1, rms: true, bad: 15, column: 'root_assist_bw' },
+  { key: 'tracking_deg', name: 'Tracking', unit: '°', scale: 1, digits: 1, rms: true, bad: 5, column: 'tracking_deg' },
   { key: 'slip_cm', name: 'Foot skate', unit: 'cm', scale: 1, digits: 1, bad: 3, column: 'foot_slip_cm' },
   { key: 'depth_mm', name: 'Penetration', unit: 'mm', scale: 1, digits: 1, bad: 20, column: 'penetration_mm' },
   { key: 'fell', name: 'Fall', unit: '', scale: 1, digits: 0, bad: 0, column: 'fell' },
@@ -39,6 +41,9 @@ export interface BadSpan {
   /** Maximum, in the displayed unit. */
   peak: number;
 }
+
+/** Duration of the root mean squares, s: the averaging time after which motion control releases a character ("patience"). */
+export const rms_time = 0.25;
 
 /** Bad frames that are nearer than this belong to one span, s: a span must be wide enough for a click. */
 const join_time = 0.1;
@@ -65,11 +70,34 @@ export class MeasureHistory {
     return this.series_.get(character)?.[key] ?? [];
   }
 
+  private readonly shown_ = new Map<string, Float64Array>();
+
+  /** The measure over time in the displayed unit, one value for each frame: of the instant, or the root mean square of the time around it. */
+  shown(character: string, measure: Timed): Float64Array {
+    const key = `${measure.key} ${character}`;
+    let shown = this.shown_.get(key);
+    if (!shown) {
+      const values = this.values(character, measure.key);
+      shown = Float64Array.from(values, (value) => value * measure.scale);
+      if (measure.rms) {
+        const half = Math.round((rms_time * this.rate) / 2);
+        const sums = new Float64Array(values.length + 1); // of the squares before each frame
+        values.forEach((value, i) => (sums[i + 1] = sums[i]! + value * value));
+        shown.forEach((_, i) => {
+          const [from, to] = [Math.max(0, i - half), Math.min(values.length, i + half + 1)];
+          shown![i] = Math.sqrt((sums[to]! - sums[from]!) / (to - from)) * measure.scale;
+        });
+      }
+      this.shown_.set(key, shown);
+    }
+    return shown;
+  }
+
   /** The displayed value at `time` (s), or NaN if there is none. */
   value_at(character: string, measure: Timed, time: number): number {
-    const values = this.values(character, measure.key);
+    const shown = this.shown(character, measure);
     const frame = Math.round(time * this.rate);
-    return frame >= 0 && frame < values.length ? values[frame]! * measure.scale : NaN;
+    return shown[frame === shown.length ? frame - 1 : frame] ?? NaN; // the head of the simulation can be up to one frame after the last one
   }
 
   /**
@@ -102,11 +130,9 @@ export class MeasureHistory {
 
   /** The spans in which `measure` is bad, by time. */
   bad_spans(character: string, measure: Timed): BadSpan[] {
-    const values = this.values(character, measure.key);
     const spans: BadSpan[] = [];
     let last: BadSpan | undefined;
-    values.forEach((value, frame) => {
-      const shown = value * measure.scale;
+    this.shown(character, measure).forEach((shown, frame) => {
       if (!(shown > measure.bad)) return;
       const time = frame / this.rate;
       const end = (frame + 1) / this.rate;
@@ -120,13 +146,13 @@ export class MeasureHistory {
 
   /** The maximum displayed value and its time (s), or null without values. */
   peak(character: string, measure: Timed): { at: number; value: number } | null {
-    const values = this.values(character, measure.key);
+    const values = this.shown(character, measure);
     if (values.length === 0) return null;
     let best = 0;
     values.forEach((value, i) => {
       if (value > values[best]!) best = i;
     });
-    return { at: best / this.rate, value: values[best]! * measure.scale };
+    return { at: best / this.rate, value: values[best]! };
   }
 
   /** One row for each frame: the time and the measures of all characters. @param characters ids and names, in the order of the columns */

@@ -3,7 +3,7 @@ import { useLayoutEffect, useMemo, useRef, useState, type ReactElement } from 'r
 import type { Character, ScenarioDocument } from '../core/document';
 import { format_ruler } from '../core/format';
 import { grade, measures as overall, shown_value, type Grade } from '../core/judge';
-import { describe_span, timed_measures, type BadSpan, type MeasureHistory, type Timed } from '../core/measures';
+import { describe_span, rms_time, timed_measures, type BadSpan, type MeasureHistory, type Timed } from '../core/measures';
 import type { CharacterSummary } from '../core/protocol';
 import { ruler_steps } from '../core/timeline';
 import { all_bad_spans, run } from './actions';
@@ -19,8 +19,8 @@ const of_run: Record<Timed['key'], { key: keyof CharacterSummary; kind: string }
   fell: null,
 };
 const meanings: Record<Timed['key'], string> = {
-  assist_bw: 'External force and moment on the root that the motion needs in addition to its feet, of body weight',
-  tracking_deg: 'Angle between the joints and the motion of the track',
+  assist_bw: `External force and moment on the root that the motion needs in addition to its feet, of body weight; rms over ${rms_time} s`,
+  tracking_deg: `Angle between the joints and the motion of the track; rms over ${rms_time} s`,
   slip_cm: 'Distance that a standing foot slides during one stance',
   depth_mm: 'Depth of the body in the ground',
   fell: 'The root is far below its reference, or tilted from it by more than 57°',
@@ -178,11 +178,11 @@ function Lane({ doc, character, measure, measures, spans }: Omit<RowProps, 'summ
     element.height = Math.round(height * ratio);
     context.scale(ratio, ratio);
     const style = getComputedStyle(element);
-    const y = (value: number): number => height - 1 - (height - 3) * Math.min(1, (value * measure.scale) / (2 * measure.bad));
+    const y = (value: number): number => height - 1 - (height - 3) * Math.min(1, value / (2 * measure.bad));
     context.fillStyle = style.getPropertyValue('--line-strong');
-    context.fillRect(0, Math.round(y(measure.bad / measure.scale)), width, 1);
+    context.fillRect(0, Math.round(y(measure.bad)), width, 1);
     // the maximum of the frames in each pixel column, so that no peak is lost
-    const values = measures.values(character.id, measure.key);
+    const values = measures.shown(character.id, measure);
     const frames_per_px = (duration * measures.rate) / width;
     context.beginPath();
     for (let x = 0; x < width; x++) {

@@ -511,7 +511,7 @@ function BadMarks({ character, view }: { character: string; view: TimeView }): R
       {spans.map((span) => (
         <span
           key={`${span.measure.key} ${span.from}`}
-          className="bad-mark"
+          className="problem-mark"
           title={describe_span(span)}
           style={{ left: time_to_x(view, span.from), width: Math.max(2, (span.to - span.from) * view.scale) }}
         />
