@@ -28,8 +28,12 @@ try {
     await page.getByRole('button', { name: 'Pause' }).click();
     await page.locator('.ruler').focus();
     await page.keyboard.press('Escape');
-    await page.keyboard.press('a');
-    await page.waitForTimeout(2500);
+    const follow = page.getByRole('button', { name: 'Follow' });
+    if ((await follow.getAttribute('aria-pressed')) === 'true') await follow.click();
+    for (const key of ['0', '8', 'a']) {
+      await page.keyboard.press(key);
+      await page.waitForTimeout(1500); // the camera moves smoothly
+    }
     const [file] = await Promise.all([page.waitForEvent('download'), page.keyboard.press('F2')]);
     const png = readFileSync(await file.path()).toString('base64');
     const webp = await page.evaluate(async (data) => {
