@@ -77,7 +77,7 @@ const deep_views = [
   }],
   ['naturalness', async (page) => {
     await mode(page, 'Simulate');
-    await page.getByRole('button', { name: 'Play' }).click();
+    await page.locator('.transport').getByRole('button', { name: 'Play' }).click();
     for (let i = 0; i < 1200 && (await page.evaluate('window.ugoki.measures().frames')) < 40; i++) await page.waitForTimeout(50);
     await pause(page);
     await page.locator('.nat-row').first().waitFor();

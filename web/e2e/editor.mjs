@@ -275,7 +275,7 @@ export const editor_journeys = [
       await page.getByRole('tab', { name: 'Naturalness' }).click();
       await page.locator('.naturalness, .panel.empty:visible').first().waitFor();
       await page.keyboard.press('Shift+R');
-      await page.getByRole('button', { name: 'Play' }).click();
+      await page.locator('.transport').getByRole('button', { name: 'Play' }).click();
       await until(page, async () => (await hook(page, 'measures()')).frames > 190, '3 s of measures', 120000);
       await page.getByRole('button', { name: 'Pause' }).click();
       await until(page, async () => !(await hook(page, 'transport()')).playing, 'the pause');
