@@ -14,6 +14,7 @@
 #include "client.h"
 #include "fake_simulation.h"
 #include "page.h"
+#include "studio_fixture.h"
 #include "ugoki/content/display_frame.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
@@ -27,61 +28,7 @@ using test::Frame;
 using test::Page;
 using test::Reply;
 using test::request;
-
-class StudioTest : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "ugoki-studio-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-    Result<store::Library> library = store::Library::open(library_path());
-    ASSERT_TRUE(library);
-    const Motion run = content::testing::make_walk("run", 1, 3, 0, false);
-    const std::string walker = formats::write_mechanism(*content::testing::make_walker());
-    store::LibraryItem body{store::EntryKind::mechanism, "walker", R"({"dofs":7,"mass":12})", {}, bytes(walker)};
-    const std::string body_id = store::entry_id(store::EntryKind::mechanism, body.data);
-    store::LibraryItem motion{store::EntryKind::motion,
-                              "run",
-                              R"({"duration":1,"rate":100,"frames":101,"mechanism":")" + body_id + R"("})",
-                              {"quick"},
-                              formats::write_motion(run)};
-    const auto put = library->put(std::vector{body, motion});
-    ASSERT_TRUE(put) << put.error().text();
-    library_mechanism_ = (*put)[0];
-    library_motion_ = (*put)[1];
-    start(project::Project::create(path(), content::testing::make_scenario(), content::testing::make_resources()));
-  }
-  void start(Result<project::Project> project) {
-    ASSERT_TRUE(project) << project.error().text();
-    StudioOptions options;
-    options.library_path = library_path();
-    options.interpreter = {"/proc/self/exe", {"interpret-fake"}};
-    Result<std::unique_ptr<Studio>> started = Studio::start(options, std::move(*project));
-    ASSERT_TRUE(started) << started.error().text();
-    studio_ = std::move(*started);
-  }
-  void TearDown() override {
-    studio_.reset();
-    std::filesystem::remove_all(folder_);
-  }
-  static std::vector<std::byte> bytes(const std::string& text) {
-    const auto* p = reinterpret_cast<const std::byte*>(text.data());
-    return {p, p + text.size()};
-  }
-  std::string path() const { return folder_ + "/park.ugoki"; }
-  std::string library_path() const { return folder_ + "/library.db"; }
-  Page page() { return {studio_->port(), studio_->token()}; }
-  Reply api(const std::string& method, const std::string& target, const std::string& body = "") {
-    return request(studio_->port(), method, target, {"Authorization: Bearer " + studio_->token()}, body);
-  }
-  static json move_clip(double start) {
-    return {{"op", "command"}, {"command", {{"type", "clip.set"}, {"character", "human"}, {"id", "k1"}, {"start", start}}}};
-  }
-  static json rename(const std::string& name) { return {{"op", "command"}, {"command", {{"type", "scenario.set"}, {"name", name}}}}; }
-
-  std::string folder_, library_mechanism_, library_motion_;
-  std::unique_ptr<Studio> studio_;
-};
+using test::StudioTest;
 
 TEST_F(StudioTest, HelloContainsTheWholeStateAndAFrameFollows) {
   Page p = page();
@@ -124,65 +71,6 @@ TEST_F(StudioTest, ChoicesAreStoredAcrossRestarts) {
   for (const char* damaged : {"", "{", "[1]", "\xff\xfe", "null"}) {
     std::ofstream(folder_ + "/choices.json", std::ios::binary) << damaged;
     EXPECT_EQ(page().ask({{"op", "hello"}})["choices"], json::object()) << damaged;
-  }
-}
-
-TEST_F(StudioTest, AnotherProjectIsOpenedInPlaceOfTheOpenOne) {
-  Page a = page(), b = page();
-  a.ask({{"op", "hello"}});
-  const json first = b.ask({{"op", "hello"}});
-  ASSERT_EQ(first["recent"].size(), 1u);
-  ASSERT_TRUE(a.ask(move_clip(0.25))["ok"]);
-  ASSERT_TRUE(a.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"]);
-  const json made = a.ask({{"op", "new"}, {"path", "meadow"}, {"from", "sample"}});
-  ASSERT_TRUE(made["ok"]) << made;
-  EXPECT_EQ(made["path"], folder_ + "/meadow.ugoki");
-  EXPECT_FALSE(b.event("opened").is_null()) << "all pages are notified";
-  const json hello = b.ask({{"op", "hello"}});
-  EXPECT_EQ(hello["project"]["name"], "meadow.ugoki");
-  EXPECT_EQ(hello["document"]["characters"].size(), 3u);
-  EXPECT_EQ(hello["transport"]["mode"], "edit");
-  EXPECT_EQ(hello["transport"]["simulated"], 0);
-  EXPECT_FALSE(hello["can_undo"]);
-  ASSERT_EQ(hello["recent"].size(), 2u);
-  EXPECT_EQ(hello["recent"][0]["name"], "meadow");
-  EXPECT_EQ(hello["recent"][1]["path"], path());
-  b.frames.clear();
-  EXPECT_TRUE(b.frame([](const Frame& f) { return f.characters.size() == 3; })) << "the frames are those of the new content";
-
-  const json again = a.ask({{"op", "new"}, {"path", "meadow"}, {"from", "empty"}});
-  EXPECT_EQ(again["path"], folder_ + "/meadow-2.ugoki") << "an existing file is not replaced";
-  const json content = {{"scenario", {{"version", 1}, {"name", "chest"}}}, {"mechanisms", json::object()}};
-  EXPECT_TRUE(a.ask({{"op", "new"}, {"path", "chest"}, {"from", content}})["ok"]);
-  EXPECT_EQ(a.ask({{"op", "hello"}})["document"]["name"], "chest");
-  for (const json& wrong : {json("castle"), json(3), json{{"scenario", 1}}})
-    EXPECT_FALSE(a.ask({{"op", "new"}, {"path", "x"}, {"from", wrong}})["ok"]) << wrong;
-  EXPECT_FALSE(a.ask({{"op", "open"}, {"path", "nothing-there"}})["ok"]);
-  EXPECT_EQ(a.ask({{"op", "hello"}})["document"]["name"], "chest") << "after an error the project stays open";
-
-  ASSERT_TRUE(a.ask({{"op", "open"}, {"path", path()}})["ok"]);
-  const json back = a.ask({{"op", "hello"}});
-  EXPECT_EQ(back["document"]["characters"][0]["track"][0]["start"], 0.25) << "every command was stored";
-  EXPECT_TRUE(back["can_undo"]) << "with its history";
-  EXPECT_TRUE(a.ask({{"op", "open"}, {"path", path()}})["ok"]) << "the open project stays open";
-}
-
-TEST_F(StudioTest, LoopAndRangeReachTheInterpreterAndAllPages) {
-  Page a = page(), b = page();
-  a.ask({{"op", "hello"}});
-  b.ask({{"op", "hello"}});
-  EXPECT_FALSE(a.ask({{"op", "loop"}, {"on", 1}})["ok"]);
-  ASSERT_TRUE(a.ask({{"op", "loop"}, {"on", true}})["ok"]);
-  EXPECT_FALSE(b.event("transport", [](const json& e) { return e["loop"] == true; }).is_null());
-  ASSERT_TRUE(a.ask({{"op", "command"}, {"command", {{"type", "scenario.set"}, {"range", {{"from", 1}, {"to", 1.5}}}}}})["ok"]);
-  ASSERT_TRUE(a.ask({{"op", "seek"}, {"time", 1.4}})["ok"]);
-  ASSERT_TRUE(a.ask({{"op", "play"}, {"speed", 1}})["ok"]);
-  a.frames.clear();
-  EXPECT_TRUE(a.frame([](const Frame& f) { return f.time > 1.47; }));
-  EXPECT_TRUE(a.frame([](const Frame& f) { return f.time < 1.2; })) << "playing continues at the in point";
-  for (const Frame& f : a.frames) {
-    EXPECT_GE(f.time, 0.99);
-    EXPECT_LE(f.time, 1.51);
   }
 }
 

@@ -373,16 +373,6 @@ void Session::changed(std::string event) {
   load_content();
 }
 
-void Session::send_range() {
-  range_ = project_.scenario().range;
-  Json message = {{"op", "range"}, {"loop", loop_}};
-  if (range_.is_set()) {
-    message["from"] = range_.from;
-    message["to"] = range_.to;
-  }
-  send_to_interpreter(text_of(message), {}, {});
-}
-
 void Session::generate() {
   content::Scenario scenario = project_.scenario();
   if (Result<circuit::Circuit> own = circuit::read_circuit(scenario.circuit); own && !scenario.circuit.empty()) {

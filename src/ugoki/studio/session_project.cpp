@@ -1,4 +1,5 @@
-// Members of Session that open or create another project in place of the open one, and that keep the list of recent projects.
+// Members of Session that open or create another project in place of the open one, that keep the list of recent projects, and that send the
+// range of the project to the interpreter.
 
 #include <filesystem>
 #include <utility>
@@ -116,6 +117,16 @@ void Session::replace_project(project::Project project) {
   outbox_.broadcast(R"({"event":"opened"})");
   start();
   announce_library();  // the list contains the motions of the project
+}
+
+void Session::send_range() {
+  range_ = project_.scenario().range;
+  Json message = {{"op", "range"}, {"loop", loop_}};
+  if (range_.is_set()) {
+    message["from"] = range_.from;
+    message["to"] = range_.to;
+  }
+  send_to_interpreter(json::to_text(message), {}, {});
 }
 
 std::string Session::recent() const {
