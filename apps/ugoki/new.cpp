@@ -4,9 +4,8 @@
 #include <memory>
 
 #include "output.h"
+#include "ugoki/content/content_file.h"
 #include "ugoki/files/files.h"
-#include "ugoki/formats/mechanism_json.h"
-#include "ugoki/json/json.h"
 #include "ugoki/project/project.h"
 #include "ugoki/samples/samples.h"
 #include "verb.h"
@@ -19,35 +18,16 @@ struct Options {
   bool empty = false, json = false;
 };
 
-/// Reads content from a JSON file {"scenario": {...}, "mechanisms": {ID: {...}}, "circuit": {...}}. docs/scenario.md, docs/formats.md and
-/// docs/circuit.md describe the three parts; `circuit` is optional.
-Result<void> read_content_file(const std::string& path, content::Scenario& scenario, content::Resources& resources) {
-  const Result<std::string> text = files::read_file(path);
-  if (!text) return fail(text.error());
-  const Result<Json> json = json::parse_json(*text, path);
-  if (!json) return fail(json.error());
-  const auto part = [&](const char* name) { return json->is_object() && json->contains(name) ? (*json)[name] : Json(); };
-  const Json mechanisms = part("mechanisms"), circuit = part("circuit");
-  if (!part("scenario").is_object() || !mechanisms.is_object())
-    return fail(ErrorCode::structure, path, "The file has no objects `scenario` and `mechanisms`.", "docs/export.md shows an example.");
-  Result<content::Scenario> document = content::read_scenario(json::to_text(part("scenario")), path + ", scenario");
-  if (!document) return fail(std::move(document.error()));
-  scenario = std::move(*document);
-  for (const auto& [id, mechanism] : mechanisms.items()) {
-    Result<MechanismPtr> read = formats::read_mechanism(json::to_text(mechanism), path + ", mechanism " + id);
-    if (!read) return fail(std::move(read.error()));
-    resources.mechanisms[id] = std::move(*read);
-  }
-  if (!circuit.is_null()) scenario.circuit = json::to_text(circuit);
-  return {};
-}
-
 int run_new(const Options& options) {
   content::Scenario scenario;
   content::Resources resources;
   if (!options.from.empty()) {
-    if (const Result<void> done = read_content_file(options.from, scenario, resources); !done)
-      return print_error(done.error(), options.json);
+    const Result<std::string> text = files::read_file(options.from);
+    if (!text) return print_error(text.error(), options.json);
+    Result<content::ContentText> read = content::read_content(*text, options.from);
+    if (!read) return print_error(read.error(), options.json);
+    scenario = std::move(read->scenario);
+    resources = std::move(read->resources);
   } else if (!options.empty) {
     samples::Sample sample = samples::make_sample();
     Result<content::Scenario> document = content::read_scenario(sample.document, "sample");

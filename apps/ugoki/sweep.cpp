@@ -55,7 +55,7 @@ Result<void> set_parameter(content::Scenario& s, const std::string& name, const 
   const std::size_t dot = name.rfind('.');
   const std::string id = name.substr(4, dot == std::string::npos ? dot : dot - 4),
                     parameter = dot == std::string::npos ? "" : name.substr(dot + 1);
-  if (s.circuit.empty()) s.circuit = content::default_circuit(s);
+  if (s.circuit.empty()) s.circuit = content::default_circuit(content::played_part(s));
   Result<Json> circuit = json::parse_json(s.circuit, "circuit");
   if (!circuit) return fail(std::move(circuit.error()));
   if (circuit->contains("lsis") && (*circuit)["lsis"].is_array())

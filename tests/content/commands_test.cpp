@@ -130,6 +130,51 @@ TEST_F(CommandsTest, EditsSettingsAndCircuit) {
   EXPECT_TRUE(document.circuit.empty());
 }
 
+TEST_F(CommandsTest, EditsMarkersAndRange) {
+  EXPECT_EQ(good(R"({"type": "marker.add", "time": 4})"), "Add marker");
+  ASSERT_EQ(created.size(), 1u);
+  const std::string first = created[0];
+  EXPECT_EQ(good(R"({"type": "marker.add", "id": "jump", "time": 2.5, "name": "Jump"})"), "Add marker");
+  ASSERT_EQ(document.markers.size(), 2u);
+  EXPECT_EQ(document.markers[0].name, "Jump") << "sorted by time";
+  EXPECT_EQ(document.markers[1].name, "Marker 1");
+  EXPECT_EQ(good(R"({"type": "marker.set", "id": "jump", "time": 6})"), "Move marker");
+  EXPECT_EQ(document.markers[1].id, "jump");
+  EXPECT_EQ(good(R"({"type": "marker.set", "id": "jump", "name": "Landing"})"), "Rename marker");
+  EXPECT_EQ(good(R"({"type": "marker.remove", "id": ")" + first + "\"}"), "Remove marker");
+  ASSERT_EQ(document.markers.size(), 1u);
+  bad(R"({"type": "marker.set", "id": "none", "time": 1})", ErrorCode::unknown, "command/id");
+  bad(R"({"type": "marker.add", "id": "k1", "time": 1})", ErrorCode::duplicate, "scenario/markers/0/id");
+  bad(R"({"type": "marker.set", "id": "jump", "name": ""})", ErrorCode::range, "scenario/markers/0/name");
+
+  EXPECT_EQ(good(R"({"type": "scenario.set", "range": {"from": 1, "to": 3}})"), "Set in and out");
+  EXPECT_TRUE(document.range.is_set());
+  bad(R"({"type": "scenario.set", "range": {"from": 3, "to": 3}})", ErrorCode::range, "scenario/range");
+  bad(R"({"type": "scenario.set", "range": {"from": 3}})", ErrorCode::structure, "command/range/to");
+  EXPECT_EQ(good(R"({"type": "scenario.set", "range": null})"), "Clear in and out");
+  EXPECT_FALSE(document.range.is_set());
+}
+
+TEST_F(CommandsTest, ALockedTrackRefusesChangesOfItsClips) {
+  EXPECT_EQ(good(R"({"type": "character.set", "id": "human", "locked": true})"), "Lock track");
+  for (const char* command : {R"({"type": "clip.set", "character": "human", "id": "k1", "start": 0.1})",
+                              R"({"type": "clip.add", "character": "human", "motion": "n-walk", "start": 6.5})",
+                              R"({"type": "clip.remove", "character": "human", "id": "k1"})",
+                              R"({"type": "clip.split", "character": "human", "id": "k1", "time": 1})"})
+    bad(command, ErrorCode::conflict, "command/character");
+  bad(R"({"type": "character.remove", "id": "human"})", ErrorCode::conflict, "command/id");
+  EXPECT_EQ(good(R"({"type": "character.set", "id": "human", "name": "Ann"})"), "Rename character");
+  EXPECT_EQ(good(R"({"type": "character.set", "id": "human", "locked": false})"), "Unlock track");
+  EXPECT_EQ(good(R"({"type": "clip.set", "character": "human", "id": "k1", "start": 0.1})"), "Move clip");
+}
+
+TEST_F(CommandsTest, MutesAndSolosTracks) {
+  EXPECT_EQ(good(R"({"type": "character.set", "id": "ball", "muted": true})"), "Mute track");
+  EXPECT_EQ(good(R"({"type": "character.set", "id": "ball", "muted": false})"), "Unmute track");
+  EXPECT_EQ(good(R"({"type": "character.set", "id": "ball", "solo": true})"), "Solo track");
+  EXPECT_EQ(good(R"({"type": "character.set", "id": "ball", "solo": false})"), "End solo of track");
+}
+
 TEST_F(CommandsTest, GroupsAreOneEdit) {
   EXPECT_EQ(good(R"({"type": "group", "label": "Duplicate clip", "commands": [
     {"type": "clip.add", "character": "human", "motion": "n-walk", "start": 6.5},

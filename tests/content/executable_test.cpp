@@ -48,6 +48,32 @@ TEST(Executable, EqualInputGivesEqualBytes) {
   EXPECT_EQ(generate(make_scenario(), make_resources()).value(), generate(make_scenario(), make_resources()).value());
 }
 
+TEST(Executable, LeavesOutMutedTracksAndTracksThatAreNotSolo) {
+  Scenario s = make_scenario();
+  s.characters[0].muted = true;
+  auto e = read_executable(generate(s, make_resources()).value(), "park.ugx");
+  ASSERT_TRUE(e) << e.error().text();
+  ASSERT_EQ(e->characters.size(), 1u);
+  EXPECT_EQ(e->characters[0].id, "ball");
+  ASSERT_EQ(e->events.size(), 1u) << "without the events of the left-out character";
+  EXPECT_EQ(e->events[0].id, "e2");
+  EXPECT_TRUE(e->camera.follow.empty());
+  s.characters[0].muted = false;
+  s.characters[0].solo = true;
+  e = read_executable(generate(s, make_resources()).value(), "park.ugx");
+  ASSERT_TRUE(e) << e.error().text();
+  ASSERT_EQ(e->characters.size(), 1u);
+  EXPECT_EQ(e->characters[0].id, "human");
+}
+
+TEST(Executable, MarkersRangeAndLocksDoNotChangeIt) {
+  Scenario s = make_scenario();
+  s.markers = {{"m1", 1, "Jump"}};
+  s.range = {1, 2};
+  s.characters[0].locked = true;
+  EXPECT_EQ(generate(s, make_resources()).value(), generate(make_scenario(), make_resources()).value());
+}
+
 TEST(Executable, ContainsOnlyUsedResources) {
   Scenario s = make_scenario();
   s.characters.pop_back();

@@ -14,7 +14,7 @@ class RandomCommands {
 
   /// A random command (JSON) for the document `s`.
   std::string next(const Scenario& s) {
-    switch (pick(14)) {
+    switch (pick(17)) {
       case 0:
         return R"({"type": "clip.add", "character": "human", "motion": ")" + std::string(pick(2) ? "n-walk" : "n-step") +
                R"(", "start": )" + number(0, 8) + "}";
@@ -38,6 +38,17 @@ class RandomCommands {
         return pick(2) ? R"({"type": "event.set", "id": ")" + s.events[pick(s.events.size())].id + R"(", "event": {"time": )" +
                              number(0, 9) + "}}"
                        : R"({"type": "event.remove", "id": ")" + s.events[pick(s.events.size())].id + "\"}";
+      case 13: return R"({"type": "marker.add", "time": )" + number(0, 9) + "}";
+      case 14:
+        if (s.markers.empty()) return next(s);
+        return R"({"type": "marker.)" + std::string(pick(2) ? "remove" : "set") + R"(", "id": ")" + s.markers[pick(s.markers.size())].id +
+               "\"}";
+      case 15:
+        return R"({"type": "character.set", "id": ")" + any_character(s) + R"(", ")" + std::string(pick(2) ? "muted" : "solo") + R"(": )" +
+               std::string(pick(2) ? "true}" : "false}");
+      case 16:
+        return R"({"type": "scenario.set", "range": )" +
+               (pick(3) == 0 ? "null}" : R"({"from": )" + number(0, 4) + R"(, "to": )" + number(4.1, 9) + "}}");
       default:
         return pick(2) ? R"({"type": "scenario.set", "duration": )" + number(1, 30) + R"(, "look": {"light": )" + number(0, 2.1) + "}}"
                        : circuit_command();

@@ -29,6 +29,18 @@ TEST(Scenario, WritesAndReadsBack) {
   EXPECT_EQ(write_scenario(*back), text);
 }
 
+TEST(Scenario, WritesMarkersRangeAndSwitchesOnlyIfTheyAreSet) {
+  Scenario s = make_scenario();
+  for (const char* name : {"markers", "range", "muted", "solo", "locked"})
+    EXPECT_EQ(write_scenario(s).find(name), std::string::npos) << name;
+  s.markers = {{"m1", 1.5, "Jump"}};
+  s.range = {1, 2.5};
+  s.characters[0].muted = s.characters[0].locked = s.characters[1].solo = true;
+  const auto back = read_scenario(write_scenario(s), "park.json");
+  ASSERT_TRUE(back) << back.error().text();
+  EXPECT_EQ(*back, s);
+}
+
 TEST(Scenario, ReadsTheFormerNameOfRelease) {
   std::string text = write_scenario(make_scenario());
   const std::string present = text;
@@ -89,6 +101,11 @@ TEST(Scenario, ReportsEveryInvalidValueWithItsLocation) {
     void (*spoil)(Scenario&);
   };
   const Case cases[] = {
+      {"scenario/range", [](Scenario& s) { s.range = {3, 2}; }},
+      {"scenario/range/to", [](Scenario& s) { s.range = {3, 1e9}; }},
+      {"scenario/markers/0/time", [](Scenario& s) { s.markers = {{"m1", -1, "Jump"}}; }},
+      {"scenario/markers/0/name", [](Scenario& s) { s.markers = {{"m1", 1, ""}}; }},
+      {"scenario/markers/0/id", [](Scenario& s) { s.markers = {{"e1", 1, "Jump"}}; }},
       {"scenario/name", [](Scenario& s) { s.name.clear(); }},
       {"scenario/duration", [](Scenario& s) { s.duration = 0; }},
       {"scenario/duration", [](Scenario& s) { s.duration = 1e9; }},

@@ -33,6 +33,11 @@ TEST(Execution, CharacterStandsAndFollowsItsReference) {
   EXPECT_EQ(measures[measure_fell], 0);
   EXPECT_EQ(measures[measure_release_time], -1);
   EXPECT_EQ(measures[measure_feet], 2);
+  EXPECT_LE(measures[measure_depth_now], measures[measure_penetration]);
+  EXPECT_LE(measures[measure_assist_now], measures[measure_assist_max]);
+  EXPECT_LE(measures[measure_slip_now], measures[measure_skate_worst]);
+  EXPECT_GT(measures[measure_tracking_now], 0);
+  EXPECT_LT(measures[measure_tracking_now], 2);
   const double* walkers = numbers(*i, "characters");
   EXPECT_EQ(walkers[character_state], 0);
   EXPECT_EQ(walkers[character_entry_count + character_state], 2);

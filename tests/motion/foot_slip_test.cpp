@@ -42,6 +42,20 @@ TEST(FootSlip, SlidingFootSlipsByItsDistanceWithoutTheMargins) {
   }
 }
 
+TEST(FootSlip, PresentSlipGrowsDuringAStanceAndEndsWithIt) {
+  Stance s;
+  double before = 0;
+  for (int i = 0; i <= 120; ++i) {  // 1 s at 0.1 m/s
+    s.add({Mat3::identity(), {0.1 * i / 120, 0, 0}}, true, 1.0 / 120);
+    EXPECT_GE(s.slip.now_cm(), before);
+    before = s.slip.now_cm();
+  }
+  EXPECT_NEAR(before, 8.8, 0.3);
+  EXPECT_EQ(before, s.slip.worst_cm());
+  s.add({}, false, 1.0 / 120);
+  EXPECT_EQ(s.slip.now_cm(), 0);
+}
+
 TEST(FootSlip, RollingFootDoesNotSlip) {
   Stance s;
   for (int i = 0; i <= 200; ++i) {  // rolls from 20 degrees on the heel to 30 degrees on the tip, about the edge that touches

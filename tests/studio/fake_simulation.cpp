@@ -107,6 +107,10 @@ class FakeSimulation final : public Simulation {
     summary.fell = summary.foot_skate_cm > 1000;
     return summary;
   }
+  MomentMeasures moment(int character) override {
+    const auto x = static_cast<float>(s_.x[static_cast<std::size_t>(character)]);
+    return {x, 2 * x, static_cast<float>(s_.step), 0.25f, s_.step >= 500};
+  }
   std::uint8_t feet_on_ground(int) override {
     return static_cast<std::uint8_t>(s_.step / 250 % 2 == 0 ? 2 : 1);
   }  // the standing foot changes every 250 steps

@@ -216,6 +216,102 @@ TEST_F(InterpreterTest, Plays60FramesPerSimulatedSecond) {
   EXPECT_EQ(shown().flags, content::frame_simulate | content::frame_live);
 }
 
+/// The values of one measure for all frames, put together from the events as a page does; checks that the events fit together.
+std::vector<double> collect_measures(const std::vector<json>& messages, const char* key) {
+  std::vector<double> values;
+  for (const json& m : messages) {
+    if (m["event"] != "measures") continue;
+    EXPECT_LE(m["from"].get<std::size_t>(), values.size());
+    values.resize(m["from"].get<std::size_t>());
+    for (const json& value : m["characters"][0][key]) values.push_back(value.get<double>());
+  }
+  return values;
+}
+
+TEST_F(InterpreterTest, MeasuresOfAllFramesAreSentOnceAndAgainOnRequest) {
+  open();
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  ASSERT_TRUE(interpreter.play(std::nullopt));
+  pass(2);
+  ASSERT_TRUE(interpreter.pause());
+  const std::vector<double> steps = collect_measures(sink.messages, "slip_cm");
+  ASSERT_NEAR(static_cast<double>(steps.size()), 121, 2);
+  for (std::size_t n = 0; n < steps.size(); ++n) EXPECT_NEAR(steps[n], static_cast<double>(n) / 60 / 0.002, 0.51);
+  EXPECT_EQ(sink.last("measures")["rate"], 60);
+  std::size_t sent = 0;
+  double fell = -1;
+  for (const json& m : sink.messages) {
+    if (m["event"] != "measures" || m["from"] == 0) continue;
+    sent += m["characters"][0]["slip_cm"].size();
+    if (!m["characters"][0]["fell"].is_null() && fell < 0) fell = m["characters"][0]["fell"].get<double>();
+  }
+  EXPECT_LE(sent, steps.size()) << "no frame is sent twice";
+  EXPECT_EQ(fell, 60) << "step 500 of 2 ms is frame 60";
+  sink.messages.clear();
+  interpreter.resend_measures();
+  pass(0.5);
+  EXPECT_EQ(collect_measures(sink.messages, "slip_cm"), steps);
+  // Frames that are computed again replace the old ones.
+  ASSERT_TRUE(interpreter.seek(0.5));
+  ASSERT_TRUE(interpreter.push("a", "0", {500, 0, 0}, 0.1));
+  ASSERT_TRUE(interpreter.play(std::nullopt));
+  pass(1);
+  ASSERT_TRUE(interpreter.pause());
+  EXPECT_EQ(collect_measures(sink.messages, "slip_cm").size(), collect_measures(sink.messages, "tracking_deg").size());
+  EXPECT_NEAR(static_cast<double>(collect_measures(sink.messages, "slip_cm").size()), 91, 2);
+  ASSERT_TRUE(interpreter.restart());
+  EXPECT_EQ(collect_measures(sink.messages, "slip_cm").size(), 1u);
+}
+
+TEST_F(InterpreterTest, PlayingEndsAtTheOutPointOrLoopsToTheInPoint) {
+  for (const PlayMode mode : {PlayMode::edit, PlayMode::simulate}) {
+    open();
+    ASSERT_TRUE(interpreter.set_mode(mode));
+    interpreter.set_range(0.5, 1.5, false);
+    ASSERT_TRUE(interpreter.seek(1));
+    settle();
+    ASSERT_TRUE(interpreter.play(1.0));
+    pass(1);
+    EXPECT_FALSE(interpreter.playing());
+    EXPECT_NEAR(interpreter.time(), 1.5, 0.003);
+    ASSERT_TRUE(interpreter.play(std::nullopt));  // at the out point: from the in point
+    pass(0.25);
+    EXPECT_NEAR(interpreter.time(), 0.75, 0.03);
+    interpreter.set_range(0.5, 1.5, true);
+    EXPECT_EQ(sink.last("transport")["loop"], true);
+    for (int i = 0; i < 40; ++i) {
+      pass(0.1);
+      EXPECT_TRUE(interpreter.playing());
+      EXPECT_GE(interpreter.time(), 0.499);
+      EXPECT_LE(interpreter.time(), 1.503);
+    }
+    ASSERT_TRUE(interpreter.pause());
+    ASSERT_TRUE(interpreter.seek(2));  // after the out point, playing continues to the end
+    settle();
+    interpreter.set_range(0.5, 1.5, false);
+    ASSERT_TRUE(interpreter.play(4.0));
+    pass(1);
+    EXPECT_FALSE(interpreter.playing());
+    EXPECT_NEAR(interpreter.time(), 4, 0.003);
+    interpreter.set_range(0, std::numeric_limits<double>::infinity(), false);
+    ASSERT_TRUE(interpreter.seek(0));
+  }
+}
+
+TEST_F(InterpreterTest, LoopBeforeTheHeadIsSimulatedFirst) {
+  open();
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  interpreter.set_range(3, 3.5, true);
+  ASSERT_TRUE(interpreter.seek(4));
+  settle();
+  ASSERT_TRUE(interpreter.restart());
+  ASSERT_TRUE(interpreter.play(8.0));
+  pass(3);
+  EXPECT_TRUE(interpreter.playing());
+  EXPECT_GE(interpreter.time(), 2.999);
+  EXPECT_LE(interpreter.time(), 3.503);
+}
+
 TEST_F(InterpreterTest, SlowMotionAndFastForwardShow60FramesPerSecond) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));

@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
+import { leg_swing_bvh } from './library.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no library and no circuit';
@@ -40,6 +41,71 @@ const views = [
   ['the command palette', (page) => page.keyboard.press('Control+k'), escape],
   ['the keys', (page) => page.keyboard.press('F1'), escape],
   ['Save as', (page) => page.keyboard.press('Control+Shift+s'), escape],
+];
+
+const mode = async (page, name) => {
+  await page.getByRole('radio', { name }).click();
+  for (let i = 0; i < 600 && (await page.evaluate('window.ugoki.transport().mode')) !== name.toLowerCase(); i++) await page.waitForTimeout(50);
+};
+const tab = (page, name) => page.getByRole('tab', { name }).click();
+const pause = async (page) => {
+  if (await page.evaluate('window.ugoki.transport().playing')) await page.getByRole('button', { name: 'Pause' }).click();
+};
+
+/** Views that need a circuit, a simulation or a file. */
+const deep_views = [
+  ['the circuit', async (page) => {
+    await tab(page, 'Circuit');
+    await page.locator('.circuit[role=application]').waitFor();
+  }],
+  ['all LSIs selected', async (page) => {
+    await page.locator('.circuit[role=application]').focus();
+    await page.keyboard.press('Control+a');
+  }, escape],
+  ['the search of LSIs', async (page) => {
+    await page.keyboard.press('Control+k');
+    await page.keyboard.type('add an lsi');
+    await page.keyboard.press('Enter');
+    await page.waitForTimeout(300);
+  }, async (page) => {
+    await escape(page);
+    await tab(page, 'Scenario');
+  }],
+  ['naturalness without a simulation', async (page) => {
+    await mode(page, 'Edit');
+    await tab(page, 'Naturalness');
+  }],
+  ['naturalness', async (page) => {
+    await mode(page, 'Simulate');
+    await page.locator('.transport').getByRole('button', { name: 'Play' }).click();
+    for (let i = 0; i < 1200 && (await page.evaluate('window.ugoki.measures().frames')) < 40; i++) await page.waitForTimeout(50);
+    await pause(page);
+    await page.locator('.nat-row').first().waitFor();
+  }],
+  ['the simulation', async (page) => {
+    await tab(page, 'Scenario');
+    await page.locator('.track-name').first().click();
+  }],
+  ['the log', (page) => tab(page, 'Log'), (page) => tab(page, 'Scenario')],
+  ['the import', async (page) => {
+    await mode(page, 'Edit');
+    await page.locator('.library input[type=file]').setInputFiles([{ name: 'waver.bvh', mimeType: 'application/octet-stream', buffer: leg_swing_bvh() }]);
+    await page.getByRole('dialog', { name: 'Import' }).waitFor({ timeout: 60000 });
+    for (let i = 0; i < 1200 && !(await page.evaluate("window.ugoki.imports().every((f) => f.status === 'ready')")); i++) await page.waitForTimeout(50);
+  }, async (page) => {
+    await escape(page);
+    await page.getByRole('dialog', { name: 'Import' }).waitFor({ state: 'detached', timeout: 60000 });
+  }],
+  ['several selected clips and events', async (page) => {
+    await page.locator('.ruler').focus();
+    await page.keyboard.press('Control+a');
+  }],
+  ['the menu of the project', (page) => page.locator('button.project').click(), escape],
+  ['the gallery', async (page) => {
+    await page.locator('button.project').click();
+    await page.getByRole('menuitem', { name: 'New project…' }).click();
+  }, escape],
+  ['Open project', (page) => page.keyboard.press('Control+o'), escape],
 ];
 
 /** Widths and heights of the window, CSS px. A window of 1440 x 900 at a zoom of 150 % has 960 x 600 CSS px. */
@@ -92,6 +158,25 @@ export const accessibility_journeys = [
         await page.waitForTimeout(200);
       }
       assert.equal(await theme(), first);
+      assert.deepEqual([...new Set(found)], []);
+    },
+  },
+  {
+    name: 'access: axe-core finds no violation in circuit, naturalness, simulation, log, import and projects, in both themes',
+    async run({ page }) {
+      const found = [];
+      const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
+      for (let round = 0; round < 2; round++) {
+        for (const [name, open, leave] of deep_views) {
+          await open(page);
+          await page.waitForTimeout(300);
+          for (const line of await violations(page)) found.push(`${name} (${await theme()}): ${line}`);
+          if (/^(the circuit|naturalness|the log|the import|the simulation)$/.test(name)) await page.screenshot({ path: `${pictures}axe-${name.replace('the ', '')}-${await theme()}.png` });
+          await leave?.(page);
+        }
+        await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+        await page.waitForTimeout(200);
+      }
       assert.deepEqual([...new Set(found)], []);
     },
   },

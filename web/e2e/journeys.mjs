@@ -8,6 +8,7 @@ import { accessibility_journeys } from './accessibility.mjs';
 import { circuit_journeys } from './circuit.mjs';
 import { control_journeys } from './controls.mjs';
 import { plugin_journeys } from './plugins.mjs';
+import { editor_journeys } from './editor.mjs';
 import { repair_journeys } from './repairs.mjs';
 import { library_journeys } from './library.mjs';
 import { motion_journeys } from './motion.mjs';
@@ -450,6 +451,7 @@ export const journeys = [
   },
   ...accessibility_journeys,
   ...repair_journeys,
+  ...editor_journeys,
   ...motion_journeys,
   ...library_journeys,
   ...circuit_journeys,

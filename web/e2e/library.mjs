@@ -32,7 +32,7 @@ const files = (page) => page.evaluate(() => window.ugoki.imports());
 const card = (page, name) => page.locator('#library-list [role=option]', { has: page.locator('.entry-name', { hasText: name }) }).first();
 
 /** A BVH file of a person who swings the legs. @param unit units per metre; @param z_up the file's up axis is Z instead of Y */
-function leg_swing_bvh({ unit = 100, z_up = false, frames = 60 } = {}) {
+export function leg_swing_bvh({ unit = 100, z_up = false, frames = 60 } = {}) {
   const at = (x, y, z) => (z_up ? [z, x, y] : [x, y, z]).map((v) => (v * unit).toFixed(4)).join(' '); // from axes Y up, Z forward, X left
   const swing = z_up ? 'Y' : 'X';
   const rest = ['X', 'Y', 'Z'].filter((a) => a !== swing);

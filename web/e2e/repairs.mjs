@@ -120,7 +120,7 @@ export const repair_journeys = [
       await page.waitForTimeout(600);
       assert.ok((await measures()) > 0, 'the measures of the recorded simulation are shown');
       await page.locator('.tab', { hasText: 'Naturalness' }).click();
-      await page.locator('.naturalness td .value').first().waitFor();
+      await page.locator('.nat-row .value').first().waitFor();
       await page.locator('.tab', { hasText: 'Scenario' }).click();
       await page.keyboard.press('Control+Home');
       await set_mode(page, 'Edit');

@@ -33,7 +33,7 @@ class Work {
       std::string_view type;
       std::string (Work::*run)(Fields&);
     };
-    static constexpr std::array<Kind, 14> kinds = {{{"clip.add", &Work::clip_add},
+    static constexpr std::array<Kind, 17> kinds = {{{"clip.add", &Work::clip_add},
                                                     {"clip.set", &Work::clip_set},
                                                     {"clip.remove", &Work::clip_remove},
                                                     {"clip.split", &Work::clip_split},
@@ -43,6 +43,9 @@ class Work {
                                                     {"event.add", &Work::event_add},
                                                     {"event.set", &Work::event_set},
                                                     {"event.remove", &Work::event_remove},
+                                                    {"marker.add", &Work::marker_add},
+                                                    {"marker.set", &Work::marker_set},
+                                                    {"marker.remove", &Work::marker_remove},
                                                     {"scenario.set", &Work::scenario_set},
                                                     {"circuit.set", &Work::circuit_set},
                                                     {"circuit.edit", &Work::circuit_edit},
@@ -76,7 +79,10 @@ class Work {
       for (const ScenarioClip& clip : c.track)
         if (clip.id == id) return true;
     }
-    return std::any_of(effect_.scenario.events.begin(), effect_.scenario.events.end(), [&](const ScenarioEvent& e) { return e.id == id; });
+    const auto has = [&](const auto& list) {
+      return std::any_of(list.begin(), list.end(), [&](const auto& item) { return item.id == id; });
+    };
+    return has(effect_.scenario.events) || has(effect_.scenario.markers);
   }
   /// Keeps an id that the command gives. If `id` is empty, creates a new id: `letter` followed by a number.
   void assign_id(std::string& id, char letter) {
@@ -101,9 +107,16 @@ class Work {
     if (!c) report_missing(f, key, "character", id);
     return c;
   }
+  /// As character_in(), and reports a problem and returns null if the character is locked.
+  ScenarioCharacter* unlocked_in(Fields& f, std::string_view key) {
+    ScenarioCharacter* c = character_in(f, key);
+    if (!c || !c->locked) return c;
+    problems_.add(ErrorCode::conflict, f.path(key), "The track of '" + c->name + "' is locked.", "Unlock the track first.");
+    return nullptr;
+  }
   /// Returns the character and the clip's index in its track, from the fields `character` and `id`; {null, 0} and a problem if missing.
   std::pair<ScenarioCharacter*, std::size_t> clip_in(Fields& f) {
-    ScenarioCharacter* c = character_in(f, "character");
+    ScenarioCharacter* c = unlocked_in(f, "character");
     std::string id;
     f.require("id", "the clip's id");
     f.text("id", id);
@@ -124,7 +137,7 @@ class Work {
     return nullptr;
   }
   std::string clip_add(Fields& f) {
-    ScenarioCharacter* c = character_in(f, "character");
+    ScenarioCharacter* c = unlocked_in(f, "character");
     f.require("motion", "a motion's id");
     f.require("start", "the time in seconds at which it starts");
     ScenarioClip clip;
@@ -215,12 +228,15 @@ class Work {
     if (c->name != before.name) return "Rename character";
     if (c->color != before.color) return "Colour character";
     if (!(c->control == before.control)) return "Set control of character";
+    if (c->muted != before.muted) return c->muted ? "Mute track" : "Unmute track";
+    if (c->solo != before.solo) return c->solo ? "Solo track" : "End solo of track";
+    if (c->locked != before.locked) return c->locked ? "Lock track" : "Unlock track";
     return "Change character";
   }
 
   /// Removes the character together with its events.
   std::string character_remove(Fields& f) {
-    const ScenarioCharacter* c = character_in(f, "id");
+    const ScenarioCharacter* c = unlocked_in(f, "id");
     if (!c) return {};
     const std::string id = c->id;
     std::erase_if(document().characters, [&](const ScenarioCharacter& x) { return x.id == id; });
@@ -271,6 +287,45 @@ class Work {
     return label;
   }
 
+  ScenarioMarker* marker_in(Fields& f) {
+    std::string id;
+    f.require("id", "the marker's id");
+    f.text("id", id);
+    if (!problems_.empty()) return nullptr;
+    for (ScenarioMarker& m : document().markers)
+      if (m.id == id) return &m;
+    report_missing(f, "id", "marker", id);
+    return nullptr;
+  }
+
+  std::string marker_add(Fields& f) {
+    f.require("time", "the marker's time in seconds");
+    ScenarioMarker marker;
+    read_marker(f, marker);
+    if (!problems_.empty()) return {};
+    assign_id(marker.id, 'm');
+    if (marker.name.empty()) marker.name = "Marker " + std::to_string(document().markers.size() + 1);
+    document().markers.push_back(std::move(marker));
+    return "Add marker";
+  }
+
+  std::string marker_set(Fields& f) {
+    ScenarioMarker* marker = marker_in(f);
+    if (!marker) return {};
+    const ScenarioMarker before = *marker;
+    read_marker(f, *marker);
+    marker->id = before.id;
+    return marker->time != before.time ? "Move marker" : "Rename marker";
+  }
+
+  std::string marker_remove(Fields& f) {
+    const ScenarioMarker* marker = marker_in(f);
+    if (!marker) return {};
+    const std::string id = marker->id;
+    std::erase_if(document().markers, [&](const ScenarioMarker& m) { return m.id == id; });
+    return "Remove marker";
+  }
+
   std::string scenario_set(Fields& f) {
     const Scenario before = document();
     read_settings(f, document());
@@ -278,6 +333,7 @@ class Work {
     if (document().duration != before.duration) return "Set duration";
     if (!(document().camera == before.camera)) return "Set camera";
     if (!(document().look == before.look)) return "Set look";
+    if (!(document().range == before.range)) return document().range.is_set() ? "Set in and out" : "Clear in and out";
     return "Change settings";
   }
 
@@ -295,7 +351,7 @@ class Work {
     f.require("changes", "a list of changes");
     const Json* changes = f.find("changes");
     if (!changes || !problems_.empty()) return {};
-    const std::string text = document().circuit.empty() ? default_circuit(document()) : document().circuit;
+    const std::string text = document().circuit.empty() ? default_circuit(played_part(document())) : document().circuit;
     Result<Json> circuit = parse_json(text, "circuit", max_command_size);
     if (!circuit) {
       for (Problem& p : circuit.error().problems) problems_.problems.push_back(std::move(p));

@@ -45,6 +45,7 @@ Result<std::vector<std::byte>> generate(const Scenario& scenario, const Resource
   const Catalogue catalogue = catalogue_of(resources);
   Error problems = check_scenario(document, &catalogue);
   if (!problems.empty()) return fail(std::move(problems));
+  document = played_part(std::move(document));
 
   std::set<std::string> mechanisms, motions;
   for (const ScenarioCharacter& c : document.characters) {

@@ -464,6 +464,10 @@ PlayerMeasures Player::measures(int character) {
   out.fell = x[lsi::measure_fell] > 0;
   out.release_time = x[lsi::measure_release_time];
   out.feet_on_ground = static_cast<int>(x[lsi::measure_feet]);
+  out.tracking_now_deg = x[lsi::measure_tracking_now];
+  out.assist_now_bw = x[lsi::measure_assist_now];
+  out.slip_now_cm = x[lsi::measure_slip_now];
+  out.depth_now_mm = x[lsi::measure_depth_now];
   return out;
 }
 

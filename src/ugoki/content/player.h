@@ -39,6 +39,11 @@ struct PlayerMeasures {
   bool fell = false;
   double release_time = -1;  ///< time at which control released the character, s; -1: never
   int feet_on_ground = -1;   ///< number of feet that are on the ground now; -1: the character has no feet
+  // Values of the present instant; naturalness updates them about 120 times per simulated second.
+  double tracking_now_deg = 0;  ///< deg, RMS deviation of the joints from the reference; 0 after the release
+  double assist_now_bw = 0;     ///< root assist, body weights; 0 after the release
+  double slip_now_cm = 0;       ///< maximum net slip of the present stances
+  double depth_now_mm = 0;      ///< maximum depth in the ground
 };
 
 /// A touch (contact interval) of two links that began or ended during a step.

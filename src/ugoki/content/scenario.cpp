@@ -23,6 +23,7 @@ class Checker {
     check_settings();
     for (std::size_t i = 0; i < s_.characters.size(); ++i) check_character(s_.characters[i], root_ + "/characters/" + std::to_string(i));
     for (std::size_t i = 0; i < s_.events.size(); ++i) check_event(s_.events[i], root_ + "/events/" + std::to_string(i));
+    for (std::size_t i = 0; i < s_.markers.size(); ++i) check_marker(s_.markers[i], root_ + "/markers/" + std::to_string(i));
   }
 
  private:
@@ -71,6 +72,12 @@ class Checker {
     range(root_ + "/camera/elevation", s_.camera.elevation, -1.6, 1.6, "rad");
     range(root_ + "/look/light", s_.look.light, 0, 2, "");
     check_color(root_ + "/look/floor", s_.look.floor);
+    range(root_ + "/range/from", s_.range.from, 0, day, "s");
+    range(root_ + "/range/to", s_.range.to, 0, day, "s");
+    if (s_.range != ScenarioRange{} && !s_.range.is_set())
+      problems_.add(ErrorCode::range, root_ + "/range",
+                    "The range ends at " + ugoki::to_text(s_.range.to) + " s, but begins at " + ugoki::to_text(s_.range.from) + " s.",
+                    "Choose an end after the begin, or remove the range with null.");
     if (!s_.camera.follow.empty()) check_character_id(root_ + "/camera/follow", s_.camera.follow);
   }
 
@@ -152,6 +159,12 @@ class Checker {
                     "Give a smaller offset.");
   }
 
+  void check_marker(const ScenarioMarker& m, const std::string& location) {
+    check_own_id(location + "/id", m.id);
+    range(location + "/time", m.time, 0, day, "s");
+    check_name(location + "/name", m.name);
+  }
+
   void check_event(const ScenarioEvent& e, const std::string& location) {
     check_own_id(location + "/id", e.id);
     range(location + "/time", e.time, 0, day, "s");
@@ -227,6 +240,19 @@ void put_in_order(Scenario& scenario) {
               [](const auto& a, const auto& b) { return a.start != b.start ? a.start < b.start : a.id < b.id; });
   std::sort(scenario.events.begin(), scenario.events.end(),
             [](const auto& a, const auto& b) { return a.time != b.time ? a.time < b.time : a.id < b.id; });
+  std::sort(scenario.markers.begin(), scenario.markers.end(),
+            [](const auto& a, const auto& b) { return a.time != b.time ? a.time < b.time : a.id < b.id; });
+}
+
+Scenario played_part(Scenario s) {
+  const bool any_solo = std::any_of(s.characters.begin(), s.characters.end(), [](const ScenarioCharacter& c) { return c.solo; });
+  std::erase_if(s.characters, [&](const ScenarioCharacter& c) { return c.muted || (any_solo && !c.solo); });
+  std::erase_if(s.events, [&](const ScenarioEvent& e) { return !s.find_character(e.character); });
+  if (!s.find_character(s.camera.follow)) s.camera.follow.clear();
+  for (ScenarioCharacter& c : s.characters) c.solo = c.locked = false;
+  s.markers.clear();
+  s.range = {};
+  return s;
 }
 
 Result<Scenario> read_scenario(std::string_view text, std::string_view name) {
@@ -261,6 +287,7 @@ Result<Scenario> read_scenario(std::string_view text, std::string_view name) {
     g.require("type", "\"push\" or \"throw\"");
     read_event(g, s.events.emplace_back());
   });
+  read_list(f, "markers", [&](Fields& g) { read_marker(g, s.markers.emplace_back()); });
   read_circuit_field(f, s);
   f.refuse_others();
   if (!problems.empty()) return fail(std::move(problems));

@@ -51,6 +51,9 @@ struct ScenarioCharacter {
   std::string color = "#e6e6ea";  ///< "#rrggbb"
   ScenarioPlace place;
   ScenarioControl control;
+  bool muted = false;               ///< left out of playing, with its events
+  bool solo = false;                ///< if any character is solo, characters that are not solo are left out
+  bool locked = false;              ///< commands that change its clips or remove it are refused
   std::vector<ScenarioClip> track;  ///< sorted by start
   friend bool operator==(const ScenarioCharacter&, const ScenarioCharacter&) = default;
 };
@@ -67,6 +70,21 @@ struct ScenarioEvent {
   Vec3 force;                 ///< N, world (push)
   Vec3 from, velocity, spin;  ///< position (m), velocity (m/s) and angular velocity (rad/s) of the thrown root, world (throw)
   friend bool operator==(const ScenarioEvent&, const ScenarioEvent&) = default;
+};
+
+/// A named time, to which the studio snaps and jumps. Markers have no effect on the motion.
+struct ScenarioMarker {
+  std::string id;
+  double time = 0;  ///< s
+  std::string name;
+  friend bool operator==(const ScenarioMarker&, const ScenarioMarker&) = default;
+};
+
+/// The part of the scenario that the studio plays (in and out point). to <= from: no range, everything is played.
+struct ScenarioRange {
+  double from = 0, to = 0;  ///< s
+  [[nodiscard]] bool is_set() const { return to > from; }
+  friend bool operator==(const ScenarioRange&, const ScenarioRange&) = default;
 };
 
 struct ScenarioGround {
@@ -97,7 +115,9 @@ struct Scenario {
   Vec3 gravity = {0, 0, -9.81};  ///< m/s^2, world
   ScenarioGround ground;
   std::vector<ScenarioCharacter> characters;
-  std::vector<ScenarioEvent> events;  ///< sorted by time
+  std::vector<ScenarioEvent> events;    ///< sorted by time
+  std::vector<ScenarioMarker> markers;  ///< sorted by time
+  ScenarioRange range;
   ScenarioCamera camera;
   ScenarioLook look;
   std::string circuit;  ///< JSON object of docs/circuit.md; empty: the default circuit
@@ -144,7 +164,11 @@ struct Catalogue {
 /// Maximum size of a mechanism's or motion's id: "mechanism/ID" must fit into the 31 bytes of a section name of *.ugx.
 inline constexpr std::size_t max_resource_id = 21;
 
-/// Sorts clips by start and events by time; if these are equal, by id.
+/// Returns the part of the document that executable data contains: without characters that are muted or not solo, without their events, and
+/// without markers, range and locks. A camera that follows a left-out character follows none.
+[[nodiscard]] Scenario played_part(Scenario scenario);
+
+/// Sorts clips by start, and events and markers by time; if these are equal, by id.
 void put_in_order(Scenario& scenario);
 
 }  // namespace ugoki::content

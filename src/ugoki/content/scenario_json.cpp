@@ -67,6 +67,9 @@ void read_character(Fields& f, ScenarioCharacter& out) {
   f.text("name", out.name);
   f.text("mechanism", out.mechanism);
   f.text("color", out.color);
+  f.boolean("muted", out.muted);
+  f.boolean("solo", out.solo);
+  f.boolean("locked", out.locked);
   read_object(f, "place", [&](Fields& g) { read_place(g, out.place); });
   read_object(f, "control", [&](Fields& g) { read_control(g, out.control); });
 }
@@ -94,6 +97,12 @@ void read_event(Fields& f, ScenarioEvent& out) {
   }
 }
 
+void read_marker(Fields& f, ScenarioMarker& out) {
+  f.text("id", out.id);
+  f.number("time", out.time);
+  f.text("name", out.name);
+}
+
 void read_settings(Fields& f, Scenario& out) {
   f.text("name", out.name);
   f.number("duration", out.duration);
@@ -110,6 +119,16 @@ void read_settings(Fields& f, Scenario& out) {
     g.number("light", out.look.light);
     g.text("floor", out.look.floor);
   });
+  if (const Json* range = f.find("range"); range && range->is_null()) {
+    out.range = {};
+  } else {
+    read_object(f, "range", [&](Fields& g) {
+      g.require("from", "its begin in seconds");
+      g.require("to", "its end in seconds");
+      g.number("from", out.range.from);
+      g.number("to", out.range.to);
+    });
+  }
 }
 
 void read_circuit_field(Fields& f, Scenario& out) {
@@ -135,18 +154,22 @@ Json to_json(const ScenarioClip& c) {
 Json to_json(const ScenarioCharacter& c) {
   Json track = Json::array();
   for (const ScenarioClip& clip : c.track) track.push_back(to_json(clip));
-  return {{"id", c.id},
-          {"name", c.name},
-          {"mechanism", c.mechanism},
-          {"color", c.color},
-          {"place", {{"x", c.place.x}, {"y", c.place.y}, {"z", c.place.z}, {"heading", c.place.heading}}},
-          {"control",
-           {{"mode", c.control.mode == ControlMode::track ? "track" : "passive"},
-            {"tracking", c.control.tracking},
-            {"balance", c.control.balance},
-            {"assist_limit", c.control.assist_limit},
-            {"beyond", "release"}}},
-          {"track", std::move(track)}};
+  Json json = {{"id", c.id},
+               {"name", c.name},
+               {"mechanism", c.mechanism},
+               {"color", c.color},
+               {"place", {{"x", c.place.x}, {"y", c.place.y}, {"z", c.place.z}, {"heading", c.place.heading}}},
+               {"control",
+                {{"mode", c.control.mode == ControlMode::track ? "track" : "passive"},
+                 {"tracking", c.control.tracking},
+                 {"balance", c.control.balance},
+                 {"assist_limit", c.control.assist_limit},
+                 {"beyond", "release"}}},
+               {"track", std::move(track)}};
+  if (c.muted) json["muted"] = true;
+  if (c.solo) json["solo"] = true;
+  if (c.locked) json["locked"] = true;
+  return json;
 }
 
 Json to_json(const ScenarioEvent& e) {
@@ -185,6 +208,12 @@ Json to_json(const Scenario& s) {
                  {"elevation", s.camera.elevation}}},
                {"look", {{"light", s.look.light}, {"floor", s.look.floor}}},
                {"circuit", nullptr}};
+  if (s.range.is_set()) json["range"] = {{"from", s.range.from}, {"to", s.range.to}};
+  if (!s.markers.empty()) {
+    Json markers = Json::array();
+    for (const ScenarioMarker& m : s.markers) markers.push_back({{"id", m.id}, {"time", m.time}, {"name", m.name}});
+    json["markers"] = std::move(markers);
+  }
   if (!s.circuit.empty()) json["circuit"] = Json::parse(s.circuit, nullptr, false);
   return json;
 }

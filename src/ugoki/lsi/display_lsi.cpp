@@ -92,7 +92,7 @@ void add_display(circuit::Library& library) {
   c.outputs = {output_pin("poses", PinTypeId::pose, "m", "Poses of every link of every character in the world."),
                output_pin("characters", PinTypeId::joint_values, "",
                           "Twelve numbers for each character: state, root assist, weight, centre of mass."),
-               output_pin("measures", PinTypeId::joint_values, "", "Eleven numbers for each character: its measures of naturalness.")};
+               output_pin("measures", PinTypeId::joint_values, "", "Fifteen numbers for each character: its measures of naturalness.")};
   c.configure = [](Setup& s) {
     const World* world = world_of(s);
     if (!world) return;

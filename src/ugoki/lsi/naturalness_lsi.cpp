@@ -83,8 +83,11 @@ std::int32_t advance(const Call* call) {
   const bool released = report[report_released] > 0;
   calc_poses(m, q, self.poses);
   difference(m, q, {reference, self.layout.nq}, self.error);
+  double angles = 0, joints = 0;  // rad^2, sum of squared angles now; number of summed joints
   if (!released) {
-    sums.tracking += squared_angles(m, self.error, sums.tracking_count);
+    angles = squared_angles(m, self.error, joints);
+    sums.tracking += angles;
+    sums.tracking_count += joints;
     sums.assist += report[report_size] * report[report_size];
     sums.assist_force += report[report_force_size] * report[report_force_size];
     sums.assist_count += 1;
@@ -96,7 +99,7 @@ std::int32_t advance(const Call* call) {
   const double dt = sums.last_time >= 0 ? call->tick->time - sums.last_time : 0;
   sums.last_time = call->tick->time;
   self.skate.add(self.poses, self.stance, dt);
-  self.penetration.add(self.poses);
+  const double depth = self.penetration.add(self.poses);  // m
   if (m.link(0).joint.type == JointType::floating) {
     // Fallen: the root is below its reference by more than 35 % of the standing height, or tilted from the reference by more than 1 rad.
     const double below = reference[2] - q[2];                                           // m, in the axes of the root joint
@@ -118,6 +121,10 @@ std::int32_t advance(const Call* call) {
   out[measure_fell] = sums.fell;
   out[measure_release_time] = sums.release_time;
   out[measure_feet] = count_feet(self, call->in[in_contacts]);
+  out[measure_tracking_now] = degrees * root_mean(angles, joints);
+  out[measure_assist_now] = released ? 0 : report[report_size];
+  out[measure_slip_now] = self.skate.now_cm();
+  out[measure_depth_now] = 1000 * depth;
   return 0;
 }
 
@@ -186,14 +193,15 @@ void add_naturalness(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "naturalness";
   c.doc =
-      "Measures since the start: tracking error, root assist, sliding of standing feet, depth in the ground, and whether the character "
-      "fell. Set \"every\" so that it runs at about 120 Hz.";
+      "Measures since the start and of the present instant: tracking error, root assist, sliding of standing feet, depth in the ground, "
+      "and "
+      "whether the character fell. Set \"every\" so that it runs at about 120 Hz.";
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
               input_pin("reference", PinTypeId::motion, "", "Reference motion of the character at this tick."),
               input_pin("report", PinTypeId::joint_values, "", "Report of the character's motion control."),
               input_pin("contacts", PinTypeId::contacts, "", "Contact points now.")};
   for (circuit::InputPin& pin : c.inputs) pin.direct = false;
-  c.outputs = {output_pin("measures", PinTypeId::joint_values, "", "Eleven numbers; docs/circuit.md lists them.")};
+  c.outputs = {output_pin("measures", PinTypeId::joint_values, "", "Fifteen numbers; docs/circuit.md lists them.")};
   c.outputs[0].delayed = true;
   c.parameters = {character_parameter()};
   c.configure = [](Setup& s) {

@@ -91,7 +91,7 @@ enum CharacterEntry : std::size_t {
   character_entry_count = 12,  ///< number of entries
 };
 
-/// Indices into the naturalness measures of one character since the start (pin type `joint values`).
+/// Indices into the naturalness measures of one character (pin type `joint values`): since the start, and of the present instant.
 enum Measure : std::size_t {
   measure_tracking = 0,         ///< rms angle between joints and reference until the release, degrees
   measure_assist = 1,           ///< rms root assist in body weights; a moment is divided by the lever of the root assist
@@ -104,7 +104,11 @@ enum Measure : std::size_t {
   measure_fell = 8,             ///< 1: the root was far below its reference, or tilted from the reference by more than 1 rad; else 0
   measure_release_time = 9,     ///< time of the release, s; -1: not released
   measure_feet = 10,            ///< number of feet that touch the ground now; -1: the character has no feet
-  measure_count = 11,           ///< number of entries
+  measure_tracking_now = 11,    ///< rms angle between joints and reference now, degrees; 0 after the release
+  measure_assist_now = 12,      ///< root assist now, body weights; 0 after the release
+  measure_slip_now = 13,        ///< net slip of the present stance (FootSlip), maximum over the standing feet, cm
+  measure_depth_now = 14,       ///< maximum depth below the ground now, mm
+  measure_count = 15,           ///< number of entries
 };
 
 }  // namespace ugoki::lsi

@@ -102,6 +102,13 @@ double FootSlip::mean_cm() const {
   return count > 0 ? 100 * sum / count : 0;
 }
 
+double FootSlip::now_cm() const {
+  double now = 0;
+  for (const Foot& f : feet_)
+    if (f.stood && f.age > 2 * margin) now = std::max(now, length(f.slide));
+  return 100 * now;
+}
+
 double FootSlip::worst_cm() const {
   double worst = worst_;
   for (const Foot& f : feet_)

@@ -31,6 +31,7 @@ class FootSlip {
   [[nodiscard]] int stances() const { return stances_; }           ///< number of ended stances of more than 0.12 s
   [[nodiscard]] double mean_cm() const;                            ///< mean slip of a stance, cm; includes stances that have not ended
   [[nodiscard]] double worst_cm() const;                           ///< maximum slip of a stance, cm; includes stances that have not ended
+  [[nodiscard]] double now_cm() const;                             ///< maximum slip of the present stances, cm; 0 if no foot stands
   [[nodiscard]] double worst_time() const { return worst_time_; }  ///< s after the first frame: end of the stance with the maximum slip
 
   /// Internal state as an array of doubles, for saving and restoring. @param out, in [memory_size()]

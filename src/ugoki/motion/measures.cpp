@@ -97,7 +97,7 @@ GroundPenetration::GroundPenetration(const Mechanism& mechanism, double ground) 
     for (const SupportPoint& p : support_points(mechanism.link(i))) points_.push_back({i, p});
 }
 
-void GroundPenetration::add(std::span<const Pose> X_WB) {
+double GroundPenetration::add(std::span<const Pose> X_WB) {
   double deepest = 0;
   for (const Point& p : points_) {
     const double depth = ground_ - ((X_WB[at(p.link)] * p.at.p).z - p.at.radius);
@@ -110,6 +110,7 @@ void GroundPenetration::add(std::span<const Pose> X_WB) {
   }
   square_ += deepest * deepest;
   ++frames_;
+  return deepest;
 }
 
 void GroundPenetration::reset() {

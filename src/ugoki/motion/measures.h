@@ -55,8 +55,8 @@ class GroundPenetration {
  public:
   explicit GroundPenetration(const Mechanism& mechanism, double ground = 0);
 
-  /// Adds a frame. @param X_WB [links] poses
-  void add(std::span<const Pose> X_WB);
+  /// Adds a frame. @param X_WB [links] poses @return maximum depth in this frame, m
+  double add(std::span<const Pose> X_WB);
   void reset();
 
   [[nodiscard]] double worst_mm() const { return 1000 * worst_; }

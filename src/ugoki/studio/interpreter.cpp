@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -124,10 +123,7 @@ Result<void> Interpreter::play(std::optional<double> speed) {
     return fail(make_error(ErrorCode::structure, "transport", "The simulation cannot continue: " + status_,
                            "Restart the simulation, or change the content."));
   }
-  if (shown_ >= simulation_->duration() - 0.5 * simulation_->step_size()) {
-    shown_ = 0;
-    mode_ == PlayMode::edit ? show_edit(0) : show_recorded(0);
-  }
+  if (shown_ >= play_end() - 0.5 * simulation_->step_size()) return_to_begin();
   if (mode_ == PlayMode::simulate && !playing_ && goal_ == Goal::none && breakpoints_.active())
     if (Result<void> r = rewind_to_shown(); !r) return r;
   if (goal_ == Goal::tick) goal_ = Goal::none;
@@ -189,6 +185,8 @@ Result<void> Interpreter::restart() {
   if (Result<void> r = require_content(); !r) return r;
   goal_ = Goal::none;
   recording_->truncate(0);
+  measures_sent_ = 0;
+  measures_cut_ = true;
   if (Result<void> r = simulation_->restore(recording_->checkpoint_before(0).state); !r) return r;
   watch_.changed();
   breakpoints_.rearm();
@@ -239,6 +237,8 @@ void Interpreter::begin_recording() {
   replay_until_ = 0;
   quality_ = {};
   quality_step_ = 0;
+  measures_sent_ = 0;
+  measures_cut_ = true;
   record_head();
 }
 
@@ -249,6 +249,10 @@ Result<void> Interpreter::truncate(std::int64_t step) {
   if (checkpoint.step == 0) breakpoints_.rearm();
   next_input_ = recording_->first_input(checkpoint.step);
   recording_->truncate(step);
+  if (recording_->frame_count() < measures_sent_) {
+    measures_sent_ = recording_->frame_count();
+    measures_cut_ = true;
+  }
   blown_up_ = false;
   while (simulation_->step_count() < step) {
     if (!advance_head()) return fail(make_error(ErrorCode::structure, "transport", status_, "Restart the simulation."));
@@ -281,9 +285,13 @@ void Interpreter::record_head() {
   simulation_->encode_frame(frame_);
   const auto characters = static_cast<int>(simulation_->cast().size());
   std::vector<std::uint8_t> feet;
-  for (int c = 0; c < characters; ++c) feet.push_back(simulation_->feet_on_ground(c));
+  std::vector<MomentMeasures> measures;
+  for (int c = 0; c < characters; ++c) {
+    feet.push_back(simulation_->feet_on_ground(c));
+    measures.push_back(simulation_->moment(c));
+  }
   set_frame_header(frame_, time_of(step), 0, 0);
-  recording_->add_frame(frame_, feet);
+  recording_->add_frame(frame_, feet, measures);
 }
 
 void Interpreter::set_goal(Goal goal, std::int64_t step) {
@@ -359,7 +367,7 @@ double Interpreter::work() {
       report_transport();
       report_breakpoint();
       report_summary();
-    } else if (shown_ >= simulation_->duration() - 0.5 * simulation_->step_size()) {
+    } else if (shown_ >= play_end() - 0.5 * simulation_->step_size()) {
       finish_play();
     }
   }
@@ -368,9 +376,10 @@ double Interpreter::work() {
 }
 
 void Interpreter::tick() {
-  const double time = std::min(anchor_time_ + static_cast<double>(ticks_) / display_rate * speed_, simulation_->duration());
+  const double end = play_end();
+  const double time = std::min(anchor_time_ + static_cast<double>(ticks_) / display_rate * speed_, end);
   ++ticks_;
-  const bool last = time >= simulation_->duration();
+  const bool last = time >= end;
   if (mode_ == PlayMode::edit) {
     show_edit(time);
     if (last) finish_play();
@@ -463,9 +472,45 @@ void Interpreter::anchor() {
   ticks_ = 1;  // the next tick shows the frame after this one
 }
 
+double Interpreter::play_end() const {
+  const double duration = simulation_->duration();
+  return shown_ <= range_to_ + 0.5 * simulation_->step_size() ? std::min(range_to_, duration) : duration;
+}
+
+double Interpreter::play_begin() const { return range_from_ < std::min(range_to_, simulation_->duration()) ? range_from_ : 0; }
+
+void Interpreter::set_range(double from, double to, bool loop) {
+  range_from_ = std::max(0.0, from);
+  range_to_ = to;
+  loop_ = loop;
+  if (simulation_) report_transport();
+}
+
+/// Shows the begin of the range. In simulate mode, a begin after the head becomes a goal that the simulation is computed up to.
+void Interpreter::return_to_begin() {
+  const double begin = play_begin();
+  if (mode_ == PlayMode::edit) {
+    show_edit(begin);
+  } else if (step_at(begin) <= simulation_->step_count()) {
+    shown_ = begin;
+    show_recorded(begin);
+  } else {
+    set_goal(Goal::seek, step_at(begin));
+  }
+}
+
 void Interpreter::finish_play() {
+  const bool stopped = blown_up_ && mode_ == PlayMode::simulate;
+  if (loop_ && !stopped) {
+    return_to_begin();
+    if (mode_ == PlayMode::simulate && goal_ == Goal::none && breakpoints_.active())
+      if (Result<void> r = rewind_to_shown(); !r) return stop(r.error());
+    anchor();
+    report_transport();
+    return report_summary();
+  }
   playing_ = false;
-  if (blown_up_ && mode_ == PlayMode::simulate)
+  if (stopped)
     report_stop();  // repeated, so that the user sees why the recording ends here
   else
     status_ = "end";
@@ -486,56 +531,6 @@ void Interpreter::report_stop() {
   while (!status_.empty() && status_.back() == '\n') status_.pop_back();
   const Json event{{"event", "stopped"}, {"reason", status_}, {"problems", json::error_json(stop_)["problems"]}};
   sink_.message(event.dump(-1, ' ', false, Json::error_handler_t::replace));
-}
-
-void Interpreter::report_transport() {
-  transport_reported_ = seconds_();
-  const double pace = computed_seconds_ > 0 ? computed_steps_ / computed_seconds_ : 0;
-  char hash[17];
-  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(simulation_->state_hash()));
-  const Json event{{"event", "transport"},
-                   {"mode", mode_ == PlayMode::edit ? "edit" : "simulate"},
-                   {"playing", playing_},
-                   {"speed", speed_},
-                   {"time", shown_},
-                   {"duration", simulation_->duration()},
-                   {"simulated", head_time()},
-                   {"steps", simulation_->step_count()},
-                   {"state_hash", hash},
-                   {"steps_per_s", pace},
-                   {"realtime_factor", pace * simulation_->step_size()},
-                   {"status", status_}};
-  sink_.message(event.dump(-1, ' ', false, Json::error_handler_t::replace));
-}
-
-/// Sends the event `devices` (what the circuit reads of keyboard, mouse and gamepads) if it changed.
-void Interpreter::report_devices() {
-  circuit::DeviceUse use = simulation_->devices() ? simulation_->devices()->use() : circuit::DeviceUse{};
-  if (reported_devices_ == use) return;
-  sink_.message(R"({"event":"devices",)" + circuit::write_device_use(use).substr(1));
-  reported_devices_ = std::move(use);
-}
-
-void Interpreter::report_summary() {
-  touches_reported_ = 0;
-  report_quality();
-  summary_reported_ = seconds_();
-  summary_due_ = false;
-  const std::vector<CastMember>& cast = simulation_->cast();
-  Json characters = Json::array(), contacts = Json::array();
-  for (std::size_t c = 0; c < cast.size(); ++c) {
-    const CharacterSummary s = simulation_->summary(static_cast<int>(c));
-    characters.push_back({{"id", cast[c].id},
-                          {"assist_rms_bw", s.assist_rms_bw},
-                          {"foot_skate_cm", s.foot_skate_cm},
-                          {"tracking_rms_deg", s.tracking_rms_deg},
-                          {"penetration_mm", s.penetration_mm},
-                          {"fell", s.fell}});
-  }
-  for (const ContactStretch& s : recording_->contacts()) {
-    contacts.push_back({{"character", cast[static_cast<std::size_t>(s.character)].id}, {"from", s.from}, {"to", s.to}, {"feet", s.feet}});
-  }
-  sink_.message(Json{{"event", "summary"}, {"characters", std::move(characters)}, {"contacts", std::move(contacts)}}.dump());
 }
 
 void Interpreter::watch(WatchRequest request) {

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -73,6 +74,14 @@ class Interpreter {
   /// recording after the shown time.
   [[nodiscard]] Result<void> input(const circuit::DeviceChange& change);
 
+  /// Sets the part of the scenario that play() plays. Playing begins at `from` if the shown time is at `to` or at the end of the content.
+  /// At `to`, playing ends, or with `loop` continues at `from`. Beyond `to`, playing ends at the end of the content.
+  /// @param to [s] infinity, or a time after the end: the end of the content
+  void set_range(double from, double to, bool loop);
+
+  /// Sends the measures of all recorded frames in the next events `measures`, for a page that has none of them.
+  void resend_measures();
+
   /// Sets which values of the running circuit are reported in events `values`.
   void watch(WatchRequest request);
 
@@ -121,6 +130,10 @@ class Interpreter {
   void send(std::span<std::byte> bytes, double time, bool live);
   void anchor();
   void finish_play();
+  void return_to_begin();
+  [[nodiscard]] double play_begin() const;  ///< time at which playing starts, s
+  [[nodiscard]] double play_end() const;    ///< time at which playing that has reached shown_ ends, s
+  void report_measures();
   void stop(const Error& error);
   void report_stop();
   void report_transport();
@@ -143,7 +156,11 @@ class Interpreter {
   bool playing_ = false;
   bool blown_up_ = false;  ///< true: the step after the head failed, or the recording is full
   double speed_ = 1;
-  double shown_ = 0;  ///< time of the frame that the pages show, s
+  double shown_ = 0;                                                            ///< time of the frame that the pages show, s
+  double range_from_ = 0, range_to_ = std::numeric_limits<double>::infinity();  ///< s, see set_range()
+  bool loop_ = false;                                                           ///< true: playing continues at the begin of the range
+  std::size_t measures_sent_ = 0;                                               ///< number of recorded frames whose measures the pages have
+  bool measures_cut_ = true;  ///< true: the pages have measures of frames that are no longer recorded
   Goal goal_ = Goal::none;
   std::int64_t goal_step_ = 0;  ///< step up to which the simulation is to be computed
   circuit::DeviceState held_;   ///< current state of keyboard, mouse and gamepads

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdio>
 #include <deque>
+#include <limits>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -140,6 +141,15 @@ Result<void> serve(Interpreter& interpreter, const Json& request, const std::vec
   if (op == "watch") {
     interpreter.watch({texts_of(request, "pins"), texts_of(request, "probes"), request.value("timing", false),
                        request.value("closest", request.value("nearest", false))});
+    return {};
+  }
+  if (op == "range") {
+    constexpr double never = std::numeric_limits<double>::infinity();
+    interpreter.set_range(number_of(request, "from"), number_of(request, "to", never), request.value("loop", false));
+    return {};
+  }
+  if (op == "measures") {
+    interpreter.resend_measures();
     return {};
   }
   if (op == "breakpoints") {

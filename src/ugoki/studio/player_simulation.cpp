@@ -106,6 +106,11 @@ class PlayerSimulation final : public Simulation {
     const content::PlayerMeasures m = player_.measures(character);
     return {m.assist_rms_bw, m.foot_skate_cm, m.tracking_rms_deg, m.penetration_mm, m.fell};
   }
+  MomentMeasures moment(int character) override {
+    const content::PlayerMeasures m = player_.measures(character);
+    return {static_cast<float>(m.tracking_now_deg), static_cast<float>(m.assist_now_bw), static_cast<float>(m.slip_now_cm),
+            static_cast<float>(m.depth_now_mm), m.fell};
+  }
   std::uint8_t feet_on_ground(int character) override {
     const int feet = player_.measures(character).feet_on_ground;
     return feet < 0 ? 255 : static_cast<std::uint8_t>(feet);

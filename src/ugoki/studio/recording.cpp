@@ -26,10 +26,11 @@ std::size_t Recording::frame_near(double time) const {
   return n < static_cast<double>(frames_.size()) ? static_cast<std::size_t>(n) : frames_.size() - 1;
 }
 
-void Recording::add_frame(std::span<const std::byte> frame, std::span<const std::uint8_t> feet) {
-  UGOKI_CHECK(feet.size() == characters_);
+void Recording::add_frame(std::span<const std::byte> frame, std::span<const std::uint8_t> feet, std::span<const MomentMeasures> measures) {
+  UGOKI_CHECK(feet.size() == characters_ && measures.size() == characters_);
   frames_.emplace_back(frame.begin(), frame.end());
   feet_.insert(feet_.end(), feet.begin(), feet.end());
+  measures_.insert(measures_.end(), measures.begin(), measures.end());
   bytes_ += frame.size();
 }
 
@@ -68,6 +69,7 @@ void Recording::truncate(std::int64_t step) {
     frames_.pop_back();
   }
   feet_.resize(frames_.size() * characters_);
+  measures_.resize(frames_.size() * characters_);
   while (!checkpoints_.empty() && checkpoints_.back().step > step) {
     checkpoints_.pop_back();
     if (!checkpoints_.empty()) bytes_ -= checkpoints_.back().state.size();

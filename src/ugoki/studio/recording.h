@@ -1,5 +1,5 @@
 #pragma once
-// The recording of simulate mode: display frames, checkpoints of the whole state, live inputs, feet on the ground.
+// The recording of simulate mode: display frames, checkpoints of the whole state, live inputs, feet on the ground, measures.
 
 #include <cstddef>
 #include <cstdint>
@@ -47,7 +47,12 @@ class Recording {
   [[nodiscard]] std::size_t frame_near(double time) const;
   [[nodiscard]] std::span<const std::byte> frame(std::size_t n) const { return frames_[n]; }
   /// Appends a frame. @param feet [characters] number of feet on the ground; 255: the character has none
-  void add_frame(std::span<const std::byte> frame, std::span<const std::uint8_t> feet);
+  /// @param measures [characters] measures at the time of the frame
+  void add_frame(std::span<const std::byte> frame, std::span<const std::uint8_t> feet, std::span<const MomentMeasures> measures);
+  /// Measures at the time of frame `n`, for all characters.
+  [[nodiscard]] std::span<const MomentMeasures> measures(std::size_t n) const {
+    return std::span(measures_).subspan(n * characters_, characters_);
+  }
   /// True if frames and checkpoints use more than 1 GiB.
   [[nodiscard]] bool full() const { return bytes_ > max_bytes; }
 
@@ -83,7 +88,8 @@ class Recording {
   std::int64_t checkpoint_steps_;
   std::size_t characters_;
   std::vector<std::vector<std::byte>> frames_;
-  std::vector<std::uint8_t> feet_;  ///< number of feet on the ground: [frames][characters]
+  std::vector<std::uint8_t> feet_;        ///< number of feet on the ground: [frames][characters]
+  std::vector<MomentMeasures> measures_;  ///< [frames][characters]
   std::vector<Checkpoint> checkpoints_;
   std::vector<LiveInput> inputs_;
   std::size_t bytes_ = 0;

@@ -73,6 +73,7 @@ Session::Session(SessionOptions options, project::Project project, Outbox& outbo
 Session::~Session() = default;
 
 void Session::start() {
+  remember_project();
   listed_ = used_motions();
   restore_breakpoints();
   generate();
@@ -133,12 +134,21 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
     reply(request.client, request.reply_to, fields);
     answered = false;
     if (!summary_.empty()) outbox_.send(request.client, summary_);
+    send_to_interpreter(R"({"op":"measures"})", {}, {});  // the measures so far, for the new page
     if (frame) outbox_.send_frame(request.client, frame);
     return {};
   }
   if (request.op == "command") return execute(request);
   if (request.op == "undo" || request.op == "redo") return undo_or_redo(request.op == "undo");
   if (request.op == "save") return save(request);
+  if (request.op == "open") return open_project(request);
+  if (request.op == "new") return new_project(request);
+  if (request.op == "loop") {
+    if (!request.json.contains("on") || !request.json["on"].is_boolean()) return Request::invalid_field("on", "true or false");
+    loop_ = request.json["on"].get<bool>();
+    send_range();
+    return "";
+  }
   if (request.op == "motion.cancel") return cancel_motion(request);
   if (request.op == "motion") {
     if (Result<void> r = start_motion(request); !r) return fail(std::move(r.error()));
@@ -159,7 +169,8 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
 }
 
 std::string Session::hello() const {
-  std::string fields = "," + document_fields() + ",\"transport\":" + transport_event() + ",\"choices\":" + choices();
+  std::string fields =
+      "," + document_fields() + ",\"transport\":" + transport_event() + ",\"choices\":" + choices() + ",\"recent\":" + recent();
   fields += ",\"circuit_problems\":" + text_of(json::error_json(circuit_problems_)["problems"]);
   if (!lsis_.empty()) fields += ",\"lsis\":" + lsis_;
   if (!stopped_.empty()) fields += ",\"stopped\":" + stopped_;
@@ -176,13 +187,14 @@ std::string Session::edited_event(const std::string& changes, std::uint64_t from
 
 std::string Session::document_fields() const {
   std::string fields = state_fields();
-  if (project_.scenario().circuit.empty()) fields += ",\"generated_circuit\":" + content::default_circuit(project_.scenario());
+  if (project_.scenario().circuit.empty())
+    fields += ",\"generated_circuit\":" + content::default_circuit(content::played_part(project_.scenario()));
   return fields + ",\"document\":" + project_.document();
 }
 
 std::string Session::state_fields() const {
   Json characters = Json::array();
-  for (const content::ScenarioCharacter& c : project_.scenario().characters) {
+  for (const content::ScenarioCharacter& c : content::played_part(project_.scenario()).characters) {
     const auto mechanism = project_.resources().mechanisms.find(c.mechanism);
     const bool known = mechanism != project_.resources().mechanisms.end();
     const int links = known ? mechanism->second->link_count() : 0;
@@ -208,6 +220,7 @@ std::string Session::transport_event() const {
                   {"mode", simulate_ ? "simulate" : "edit"},
                   {"playing", false},
                   {"speed", speed_},
+                  {"loop", loop_},
                   {"time", 0},
                   {"duration", project_.scenario().duration},
                   {"simulated", 0},
@@ -257,6 +270,7 @@ Result<std::string> Session::save(const Request& request) {
     saved = project_.save_as(to.string(), overwrite != request.json.end() && overwrite->is_boolean() && overwrite->get<bool>());
   }
   if (!saved) return fail(std::move(saved.error()));
+  remember_project();
   outbox_.broadcast(document_event());
   return ",\"path\":" + text_of(project_.path());
 }
@@ -352,6 +366,7 @@ void Session::changed(std::string event) {
     listed_ = std::move(used);
     announce_library();
   }
+  if (range_ != project_.scenario().range) send_range();
   const std::vector<std::byte> before = executable_;
   generate();
   if (!process_ || executable_.empty() || executable_ == before) return;
@@ -419,6 +434,7 @@ Result<void> Session::ensure_interpreter() {
   pid_ = process_->pid();
   ping_ = 0;
   load_content();
+  send_range();
   if (simulate_) send_to_interpreter(R"({"op":"mode","mode":"simulate"})", {}, {});
   if (!watch_.empty()) send_to_interpreter(watch_, {}, {});
   if (!breakpoints_request_.empty()) send_to_interpreter(breakpoints_request_, {}, {});

@@ -33,6 +33,7 @@ using LibraryWork = std::function<bool(const Result<store::Library*>& library)>;
 struct SessionOptions {
   /// Runs work on the library's thread, for requests that read mechanisms and motions of the library; empty: there is no library
   std::function<void(LibraryWork)> with_library;
+  std::string recent_path;   ///< file that stores the list of recently opened projects; empty: it is not stored
   std::string choices_path;  ///< file that stores the user's keymap, theme and view; empty: they are not stored
   InterpreterProgram interpreter;
   std::chrono::milliseconds answer_timeout{10'000};  ///< an interpreter that does not answer for this time is killed
@@ -109,6 +110,13 @@ class Session {
   [[nodiscard]] Result<std::string> insert_motion(const MotionTask& task);
   [[nodiscard]] Result<std::string> undo_or_redo(bool undo);
   [[nodiscard]] Result<std::string> save(const Request& request);
+  // session_project.cpp: another project is opened or created, in place of the open project
+  [[nodiscard]] Result<std::string> open_project(const Request& request);
+  [[nodiscard]] Result<std::string> new_project(const Request& request);
+  void replace_project(project::Project project);
+  /// The recently opened projects that still exist, newest first, JSON.
+  [[nodiscard]] std::string recent() const;
+  void remember_project() const;
   [[nodiscard]] std::string choices() const;
   [[nodiscard]] Result<std::string> remember(const Request& request) const;
   [[nodiscard]] Result<std::string> set_breakpoints(const Request& request);  // in session_breakpoints.cpp
@@ -120,6 +128,8 @@ class Session {
   [[nodiscard]] std::set<std::string> used_motions() const;
   /// Handles a changed document. @param event message about the change for the pages
   void changed(std::string event);
+  /// Sends the range of the document and whether playing repeats it.
+  void send_range();
   [[nodiscard]] std::string document_event() const;
   [[nodiscard]] std::string edited_event(const std::string& changes, std::uint64_t from) const;
   [[nodiscard]] std::string state_fields() const;
@@ -170,6 +180,8 @@ class Session {
   std::string summary_;    ///< last `summary` event
   bool simulate_ = false;  ///< true: simulate mode; false: edit mode
   double speed_ = 1;
+  bool loop_ = false;             ///< true: playing repeats the range
+  content::ScenarioRange range_;  ///< range that the interpreter has
   mutable std::mutex frame_mutex_;
   FrameBytes last_frame_;  ///< guarded by frame_mutex_: written on the interpreter process's thread
 };

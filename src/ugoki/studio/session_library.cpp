@@ -13,7 +13,9 @@ namespace {
 
 using json::Json;
 
-bool changes_project(std::string_view op) { return op == "command" || op == "undo" || op == "redo" || op == "save" || op == "motion"; }
+bool changes_project(std::string_view op) {
+  return op == "command" || op == "undo" || op == "redo" || op == "save" || op == "motion" || op == "open" || op == "new";
+}
 
 std::string text_field(const Json& json, const char* key) {
   return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();

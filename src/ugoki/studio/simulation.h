@@ -34,6 +34,15 @@ struct CharacterSummary {
   bool fell = false;
 };
 
+/// Measures of a character's motion at one instant.
+struct MomentMeasures {
+  float tracking_deg = 0;  ///< RMS of the joints' tracking error, degrees; 0 after the release
+  float assist_bw = 0;     ///< root-assist wrench, body weights; 0 after the release
+  float slip_cm = 0;       ///< maximum net slip of the present stances, cm
+  float depth_mm = 0;      ///< maximum depth in the ground, mm
+  bool fell = false;       ///< the character has fallen at this instant or before
+};
+
 class Simulation {
  public:
   virtual ~Simulation() = default;
@@ -88,6 +97,7 @@ class Simulation {
   virtual void encode_pose(double time, std::vector<std::byte>& out) = 0;
 
   [[nodiscard]] virtual CharacterSummary summary(int character) = 0;
+  [[nodiscard]] virtual MomentMeasures moment(int /*character*/) { return {}; }  ///< measures of the present instant
   /// Number of feet that bear on the ground now; 255: the character has no feet.
   [[nodiscard]] virtual std::uint8_t feet_on_ground(int character) = 0;
 };

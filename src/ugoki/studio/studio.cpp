@@ -90,7 +90,8 @@ class Studio::Impl final : public ServerEvents {
  public:
   Impl(const StudioOptions& options, project::Project project) : library_(options.library_path) {
     const std::string choices = (std::filesystem::path(store::Library::folder_of(options.library_path)) / "choices.json").string();
-    const SessionOptions session{[this](LibraryWork work) { use_library(std::move(work)); }, choices, options.interpreter};
+    const std::string recent = (std::filesystem::path(store::Library::folder_of(options.library_path)) / "recent.json").string();
+    const SessionOptions session{[this](LibraryWork work) { use_library(std::move(work)); }, recent, choices, options.interpreter};
     session_ = std::make_unique<Session>(session, std::move(project), outbox_,
                                          [this](std::function<void()> task) { session_queue_->post(std::move(task)); });
     session_queue_ = std::make_unique<TaskQueue>(session_period, [this] { session_->on_time(); });

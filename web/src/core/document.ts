@@ -46,6 +46,12 @@ export interface Character {
   name: string;
   mechanism: string;
   color?: string;
+  /** True: left out of playing, with its events. */
+  muted?: boolean;
+  /** True: characters that are not solo are left out of playing. */
+  solo?: boolean;
+  /** True: the service refuses commands that change the clips of the character or remove it. */
+  locked?: boolean;
   place: Place;
   control: Control;
   track: Clip[];
@@ -70,6 +76,20 @@ export interface ScenarioEvent {
   spin?: Vec3;
 }
 
+/** A named time of the scenario, for snapping and jumping. */
+export interface Marker {
+  id: string;
+  /** Time of the marker, s. */
+  time: number;
+  name: string;
+}
+
+/** In and out point of playing, s. */
+export interface PlayRange {
+  from: number;
+  to: number;
+}
+
 export interface ScenarioDocument {
   version: number;
   name: string;
@@ -84,6 +104,10 @@ export interface ScenarioDocument {
   ground: { height: number; friction: number; restitution: number };
   characters: Character[];
   events: ScenarioEvent[];
+  /** Absent: there are none. */
+  markers?: Marker[];
+  /** Absent or null: the whole scenario is played. */
+  range?: PlayRange | null;
   camera?: { follow?: string | null; distance?: number; azimuth?: number; elevation?: number };
   look?: { light?: number; floor?: string };
   circuit?: Circuit | null;
@@ -97,11 +121,14 @@ export type Command =
   | { type: 'clip.remove'; character: string; id: string }
   | { type: 'clip.split'; character: string; id: string; time: number }
   | { type: 'character.add'; mechanism: string; id?: string; name?: string; place?: Partial<Place>; color?: string; control?: Partial<Control> }
-  | { type: 'character.set'; id: string; name?: string; color?: string; place?: Partial<Place>; control?: Partial<Control> }
+  | { type: 'character.set'; id: string; name?: string; color?: string; place?: Partial<Place>; control?: Partial<Control>; muted?: boolean; solo?: boolean; locked?: boolean }
   | { type: 'character.remove'; id: string }
   | { type: 'event.add'; event: Omit<ScenarioEvent, 'id'> & { id?: string } }
   | { type: 'event.set'; id: string; event: Partial<Omit<ScenarioEvent, 'id' | 'type'>> }
   | { type: 'event.remove'; id: string }
+  | { type: 'marker.add'; id?: string; time: number; name?: string }
+  | { type: 'marker.set'; id: string; time?: number; name?: string }
+  | { type: 'marker.remove'; id: string }
   | ({ type: 'scenario.set' } & Partial<Omit<ScenarioDocument, 'version' | 'characters' | 'events' | 'circuit'>>)
   | { type: 'circuit.set'; circuit: Circuit | null }
   | { type: 'circuit.edit'; label: string; changes: Change[] }
@@ -112,6 +139,12 @@ export const find_character = (doc: ScenarioDocument, id: string): Character | u
 export function find_clip(doc: ScenarioDocument, character: string, id: string): Clip | undefined {
   return find_character(doc, character)?.track.find((k) => k.id === id);
 }
+
+export const find_marker = (doc: ScenarioDocument, id: string): Marker | undefined => doc.markers?.find((m) => m.id === id);
+
+/** True if the character is left out of playing: it is muted, or others are solo and it is not. */
+export const is_left_out = (doc: ScenarioDocument, character: Character): boolean =>
+  Boolean(character.muted) || (!character.solo && doc.characters.some((c) => c.solo));
 
 export const find_event = (doc: ScenarioDocument, id: string): ScenarioEvent | undefined => doc.events.find((e) => e.id === id);
 
@@ -164,6 +197,21 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
     }
     case 'event.remove':
       return { ...doc, events: doc.events.filter((e) => e.id !== command.id) };
+    case 'marker.add': {
+      const markers = doc.markers ?? [];
+      const { id, time, name = `Marker ${markers.length + 1}` } = command;
+      return id === undefined ? doc : { ...doc, markers: [...markers, { id, time, name }].sort((a, b) => a.time - b.time) };
+    }
+    case 'marker.set': {
+      const { type: _type, id, ...fields } = command;
+      return { ...doc, markers: (doc.markers ?? []).map((m) => (m.id === id ? { ...m, ...fields } : m)) };
+    }
+    case 'marker.remove':
+      return { ...doc, markers: (doc.markers ?? []).filter((m) => m.id !== command.id) };
+    case 'event.add': {
+      const { id } = command.event;
+      return id === undefined ? doc : { ...doc, events: [...doc.events, { ...command.event, id }].sort((a, b) => a.time - b.time) };
+    }
     case 'scenario.set': {
       const { type: _type, ...fields } = command;
       return { ...doc, ...fields };

@@ -18,7 +18,7 @@ export const measures: readonly Measure[] = [
   { key: 'assist_rms_bw', name: 'Root assist', meaning: 'Invisible help on the root, rms, of body weight', unit: '%', scale: 100, digits: 1, good: 5, bad: 15 },
   { key: 'tracking_rms_deg', name: 'Tracking', meaning: 'Joint angles against the motion, rms', unit: '°', scale: 1, digits: 1, good: 2.5, bad: 5 },
   { key: 'foot_skate_cm', name: 'Foot skate', meaning: 'Distance that a standing foot slides, mean per step', unit: 'cm', scale: 1, digits: 1, good: 1, bad: 3 },
-  { key: 'penetration_mm', name: 'Penetration', meaning: 'Deepest overlap with the ground', unit: 'mm', scale: 1, digits: 1, good: 5, bad: 15 },
+  { key: 'penetration_mm', name: 'Penetration', meaning: 'Deepest overlap with the ground', unit: 'mm', scale: 1, digits: 1, good: 5, bad: 20 },
 ];
 
 export type Grade = 'good' | 'fair' | 'bad' | 'none';

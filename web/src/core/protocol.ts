@@ -42,6 +42,8 @@ export interface Transport {
   playing: boolean;
   /** Playback speed; 1 is real time. */
   speed: number;
+  /** True: playing continues at the begin of the range when it reaches the end. */
+  loop: boolean;
   /** Time of the playhead, s. */
   time: number;
   /** Duration of the scenario, s. */
@@ -74,6 +76,34 @@ export interface ContactSpan {
   feet: number;
 }
 
+/** Measures of one character in consecutive recorded frames, one value for each frame. */
+export interface MeasureSamples {
+  id: string;
+  /** RMS deviation of the joints from their reference, degrees. */
+  tracking_deg: number[];
+  /** Root assist, body weights. */
+  assist_bw: number[];
+  /** Net slip of the present stances of the feet, cm. */
+  slip_cm: number[];
+  /** Maximum depth in the ground, mm. */
+  depth_mm: number[];
+  /** Index of the first of these frames in which the character has fallen; null: it has not. */
+  fell: number | null;
+}
+
+export interface MeasuresEvent {
+  /** Recorded frames per second. */
+  rate: number;
+  /** Index of the first frame of this event. The values of this and later frames that the page has are outdated. */
+  from: number;
+  characters: MeasureSamples[];
+}
+
+export interface RecentProject {
+  path: string;
+  name: string;
+}
+
 export interface Summary {
   characters: CharacterSummary[];
   contacts: ContactSpan[];
@@ -101,6 +131,7 @@ export interface HelloReply extends DocumentState {
   transport: Transport;
   /** Choices stored by `remember`. Another version or a person may have written them, so validate them (read_choices). */
   choices?: unknown;
+  recent?: RecentProject[];
   lsis?: LsisEvent | null;
   circuit_problems?: Problem[];
   stopped?: StoppedEvent | null;
@@ -125,6 +156,9 @@ export type ServiceEvent =
   | ({ event: 'edited'; unsaved: boolean; from: number; changes: Change[] } & Omit<DocumentState, 'document' | 'generated_circuit'>)
   | ({ event: 'transport' } & Transport)
   | ({ event: 'summary' } & Summary)
+  | ({ event: 'measures' } & MeasuresEvent)
+  /** Another project was opened in place of the open one. */
+  | { event: 'opened' }
   | ({ event: 'log' } & LogLine)
   | { event: 'library' }
   | ({ event: 'lsis' } & LsisEvent)
@@ -140,6 +174,9 @@ export type Request =
   | { op: 'command'; command: Command }
   | { op: 'undo' | 'redo' | 'pause' | 'restart' | 'release' }
   | { op: 'save'; path?: string; overwrite?: boolean }
+  | { op: 'open'; path: string }
+  | { op: 'new'; path: string; from: 'empty' | 'sample' | object }
+  | { op: 'loop'; on: boolean }
   | { op: 'remember'; choices: object }
   | { op: 'mode'; mode: Mode }
   | { op: 'play'; speed?: number }

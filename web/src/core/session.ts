@@ -175,6 +175,23 @@ export class Session {
     this.notify(`Saved ${name}`);
   }
 
+  /** Opens another project. @return whether it is open now */
+  async open(path: string): Promise<boolean> {
+    return (await this.request({ op: 'open', path })) !== null;
+  }
+
+  /**
+   * Creates a project and opens it. An existing file is not replaced: the service appends a number to the name.
+   * @param commands changes of the new project @return whether the new project is open
+   */
+  async create(path: string, from: 'empty' | 'sample' | object, commands: readonly Command[] = []): Promise<boolean> {
+    const reply = await this.request({ op: 'new', path, from });
+    if (!reply) return false;
+    for (const command of commands) await this.request({ op: 'command', command });
+    this.notify(`Created ${String(reply.path).split('/').pop()}`);
+    return true;
+  }
+
   private drop_preview(): void {
     if (this.preview_timer) clearTimeout(this.preview_timer);
     this.preview_timer = null;
@@ -206,6 +223,11 @@ export class Session {
   toggle_play(): void {
     if (this.state.transport.playing) this.pause();
     else this.play();
+  }
+
+  /** @param on true: playing repeats the range, or the whole scenario if the document has no range */
+  set_loop(on: boolean): void {
+    this.send({ op: 'loop', on });
   }
 
   set_speed(speed: number): void {
@@ -312,6 +334,8 @@ export class Session {
 
   // ---- library ----
 
+  /** Called when another project was opened. */
+  on_opened: () => void = () => undefined;
   /** Called when the service reports that the library changed. */
   on_library: () => void = () => undefined;
   private readonly entries = new Map<string, LibraryEntry>();
@@ -451,6 +475,7 @@ export class Session {
     this.set({
       connection: 'open',
       project: hello.project,
+      recent: Array.isArray(hello.recent) ? hello.recent : [],
       transport: { ...this.state.transport, ...hello.transport },
       circuit_problems: hello.circuit_problems ?? [],
       breakpoints: hello.breakpoints ?? [],
@@ -510,6 +535,14 @@ export class Session {
       }
       case 'summary':
         this.set({ summary: { characters: event.characters ?? [], contacts: event.contacts ?? [] } });
+        break;
+      case 'measures':
+        this.set({ measures: this.state.measures.after(event) });
+        break;
+      case 'opened':
+        this.set({ summary: initial_state.summary, measures: initial_state.measures, selection: { kind: 'none' }, dialog: 'none' });
+        this.on_opened();
+        void this.request({ op: 'hello' }).then((hello) => hello && this.connected(hello as unknown as HelloReply));
         break;
       case 'library':
         this.on_library();

@@ -1,16 +1,21 @@
 /** The page's state, drawn by React. Frames are not part of it: the viewport reads them from the FrameRing. */
 import type { ScenarioDocument } from './document';
+import { valid_items, type Item } from './items';
 import type { KeymapName } from './keymap';
 import type { Breakpoint, BreakpointHit } from './circuit/breakpoints';
 import { ClassList } from './circuit/classes';
 import type { Circuit } from './circuit/form';
-import type { CharacterInfo, LogLine, MechanismData, Problem, ProjectInfo, Summary, Transport } from './protocol';
+import { MeasureHistory } from './measures';
+import type { CharacterInfo, LogLine, MechanismData, Problem, ProjectInfo, RecentProject, Summary, Transport } from './protocol';
 
 export type Selection =
   | { kind: 'none' }
   | { kind: 'character'; character: string; link?: number }
   | { kind: 'clip'; character: string; clip: string }
   | { kind: 'event'; event: string }
+  /** Two or more clips and events. */
+  | { kind: 'items'; items: readonly Item[] }
+  | { kind: 'marker'; marker: string }
   | { kind: 'entry'; entry: string }
   /** The selection is in the wiring editor (EditorState). */
   | { kind: 'circuit' };
@@ -43,6 +48,8 @@ export interface StudioState {
   /** Time of the next attempt to connect, as returned by Date.now(), ms. */
   retry_at: number;
   project: ProjectInfo | null;
+  /** Recently opened projects, newest first; the first is the open one. */
+  recent: readonly RecentProject[];
   /** The document as the service has it. */
   document: ScenarioDocument | null;
   /** The document to show during a drag or an unanswered edit; null: show `document`. */
@@ -55,6 +62,8 @@ export interface StudioState {
   characters: CharacterInfo[];
   transport: Transport;
   summary: Summary;
+  /** Measures of the simulated motion over time. A new object after every change. */
+  measures: MeasureHistory;
   /** The generated circuit; used only if the document has no circuit of its own. */
   generated: Circuit | null;
   classes: ClassList;
@@ -76,13 +85,14 @@ export interface StudioState {
   keymap: KeymapName;
   theme: 'dark' | 'light';
   toasts: Toast[];
-  dialog: 'none' | 'palette' | 'keys' | 'save_as';
+  dialog: 'none' | 'palette' | 'keys' | 'save_as' | 'open' | 'new';
 }
 
 export const initial_transport: Transport = {
   mode: 'edit',
   playing: false,
   speed: 1,
+  loop: false,
   time: 0,
   duration: 0,
   simulated: 0,
@@ -95,6 +105,7 @@ export const initial_state: StudioState = {
   connection: 'connecting',
   retry_at: 0,
   project: null,
+  recent: [],
   document: null,
   preview: null,
   revision: -1,
@@ -105,6 +116,7 @@ export const initial_state: StudioState = {
   characters: [],
   transport: initial_transport,
   summary: { characters: [], contacts: [] },
+  measures: new MeasureHistory(),
   generated: null,
   classes: new ClassList(),
   circuit_problems: [],
@@ -148,6 +160,7 @@ export function shown_circuit(state: StudioState): { circuit: Circuit | null; ed
 export function selected_character(state: StudioState): string | null {
   const { selection } = state;
   if (selection.kind === 'character' || selection.kind === 'clip') return selection.character;
+  if (selection.kind === 'items') return selection.items.find((item) => item.kind === 'clip')?.character ?? null;
   if (selection.kind === 'event') return state.document?.events.find((e) => e.id === selection.event)?.character ?? null;
   return null;
 }
@@ -165,6 +178,10 @@ export function valid_selection(selection: Selection, document: ScenarioDocument
     }
     case 'event':
       return document.events.some((e) => e.id === selection.event) ? selection : none;
+    case 'items':
+      return valid_items(selection, document);
+    case 'marker':
+      return document.markers?.some((m) => m.id === selection.marker) ? selection : none;
     default:
       return selection;
   }

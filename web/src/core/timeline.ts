@@ -58,13 +58,16 @@ export function ruler_steps(scale: number, frame_rate: number, min_px = 84): { l
 
 export const round_to_frame = (time: number, frame_rate: number): number => Math.round(time * frame_rate) / frame_rate;
 
-/** Times to snap to: 0, the end, clip edges, events and the playhead, without the edges of the dragged object `exclude`. */
-export function snap_targets(doc: ScenarioDocument, exclude: string, playhead: number): number[] {
+/** Times to snap to: 0, the end, clip edges, events, markers, in, out and the playhead, without those of the dragged objects (ids `exclude`; 'range' is in and out). */
+export function snap_targets(doc: ScenarioDocument, exclude: string | readonly string[], playhead: number): number[] {
   const times = [0, doc.duration, playhead];
+  const dragged = new Set(typeof exclude === 'string' ? [exclude] : exclude);
   for (const c of doc.characters) {
-    for (const k of c.track) if (k.id !== exclude) times.push(k.start, k.start + k.length);
+    for (const k of c.track) if (!dragged.has(k.id)) times.push(k.start, k.start + k.length);
   }
-  for (const e of doc.events) if (e.id !== exclude) times.push(e.time);
+  for (const e of doc.events) if (!dragged.has(e.id)) times.push(e.time);
+  for (const m of doc.markers ?? []) if (!dragged.has(m.id)) times.push(m.time);
+  if (doc.range && !dragged.has('range')) times.push(doc.range.from, doc.range.to);
   return times;
 }
 

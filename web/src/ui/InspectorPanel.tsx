@@ -1,5 +1,6 @@
 import { useEffect, useRef, type ReactElement } from 'react';
-import { apply_command, find_character, find_clip, find_event, type Character, type Clip, type Command, type ScenarioDocument, type ScenarioEvent } from '../core/document';
+import { apply_command, find_character, find_clip, find_event, find_marker, type Character, type Clip, type Command, type Marker, type ScenarioDocument, type ScenarioEvent } from '../core/document';
+import { describe_items, items_span, move_items, type Item } from '../core/items';
 import { format_label } from '../core/format';
 import { link_position } from '../core/frames';
 import { describe_entry, format_length, format_mass } from '../core/library/words';
@@ -35,6 +36,11 @@ export function InspectorPanel(): ReactElement {
   } else if (selection.kind === 'event') {
     const event = find_event(doc, selection.event);
     if (event) body = <EventFields key={event.id} event={event} doc={doc} />;
+  } else if (selection.kind === 'items') {
+    body = <ItemsFields doc={doc} items={selection.items} />;
+  } else if (selection.kind === 'marker') {
+    const marker = find_marker(doc, selection.marker);
+    if (marker) body = <MarkerFields key={marker.id} marker={marker} />;
   } else if (selection.kind === 'entry') {
     const entry = session.entry(selection.entry);
     if (entry) body = <EntryDetails entry={entry} doc={doc} />;
@@ -204,6 +210,48 @@ function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocume
       )}
       <div className="actions">
         <button type="button" title="Move the playhead to 0.2 s before the event" onClick={() => session.seek(Math.max(0, event.time - 0.2))}>Go to event</button>
+        <button type="button" onClick={() => run('edit.duplicate')}>Duplicate</button>
+        <button type="button" onClick={() => run('edit.remove')}>Delete</button>
+      </div>
+    </>
+  );
+}
+
+function MarkerFields({ marker }: { marker: Marker }): ReactElement {
+  const set = (fields: { time?: number; name?: string }): Command => ({ type: 'marker.set', id: marker.id, ...fields });
+  return (
+    <>
+      <h3>
+        Marker <span className="of">{marker.name}</span>
+      </h3>
+      <TextField label="Name" value={marker.name} on_commit={(name) => send(set({ name }))} />
+      <NumberField label="Time" unit="s" value={marker.time} step={0.01} min={0} title="Time of the marker in the scenario" on_preview={(v) => preview(v === null ? null : set({ time: v }))} on_commit={(time) => send(set({ time }))} />
+      <div className="actions">
+        <button type="button" onClick={() => session.seek(marker.time)}>Go to marker</button>
+        <button type="button" onClick={() => run('edit.remove')}>Delete</button>
+      </div>
+    </>
+  );
+}
+
+function ItemsFields({ doc, items }: { doc: ScenarioDocument; items: readonly Item[] }): ReactElement {
+  const span = items_span(doc, items);
+  const shift = (command: Command | null): void => {
+    if (command) send(command);
+  };
+  return (
+    <>
+      <h3>
+        Selection <span className="of">{describe_items(doc, items)}</span>
+      </h3>
+      <p className="facts">A drag, the arrow keys, Delete and Duplicate change all of them in one step.</p>
+      {span && (
+        <>
+          <NumberField label="Start" unit="s" value={span.from} step={0.01} min={0} title="Start of the first selected clip or event; the others keep their distance" on_preview={(v) => preview(v === null ? null : move_items(doc, items, v - span.from))} on_commit={(v) => shift(move_items(session.state.document ?? doc, items, v - (items_span(session.state.document ?? doc, items)?.from ?? span.from)))} />
+          <p className="facts">The selection ends at {span.to.toFixed(2)} s.</p>
+        </>
+      )}
+      <div className="actions">
         <button type="button" onClick={() => run('edit.duplicate')}>Duplicate</button>
         <button type="button" onClick={() => run('edit.remove')}>Delete</button>
       </div>

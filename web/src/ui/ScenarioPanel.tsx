@@ -1,12 +1,13 @@
 import { useCallback, useEffect, useLayoutEffect, useRef, useState, type DragEvent, type KeyboardEvent, type ReactElement } from 'react';
-import { find_character } from '../core/document';
+import { find_marker } from '../core/document';
+import { add_items, items_of, move_items, selection_of, type Item } from '../core/items';
 import { format_ruler, format_time } from '../core/format';
 import { fit_view, pan_by, round_to_frame, ruler_steps, time_to_x, x_to_time, zoom_at, type TimeView } from '../core/timeline';
 import { shown_document } from '../core/state';
 import { add_character, add_motion, run } from './actions';
 import { page, parts, plain_canvas, session, useStudio } from './app';
+import { MarkerFlags, RangeBar } from './markers';
 import { drop_target, EventTrack, Track, type DropGhost } from './tracks';
-
 
 /** The scenario panel: ruler, tracks, events and contact bars. Clips and their drags are in tracks.tsx. */
 export function ScenarioPanel(): ReactElement {
@@ -94,16 +95,71 @@ export function ScenarioPanel(): ReactElement {
     if (event.key !== 'ArrowLeft' && event.key !== 'ArrowRight') return;
     const { selection, document } = session.state;
     if (!document || event.ctrlKey || event.metaKey) return;
+    if (event.altKey) return;
     const by = ((event.key === 'ArrowRight' ? 1 : -1) * (event.shiftKey ? 10 : 1)) / document.frame_rate;
-    if (selection.kind === 'clip') {
-      const clip = find_character(document, selection.character)?.track.find((k) => k.id === selection.clip);
-      if (clip) void session.edit({ type: 'clip.set', character: selection.character, id: clip.id, start: Math.max(0, round_to_frame(clip.start + by, document.frame_rate)) });
-    } else if (selection.kind === 'event') {
-      const found = document.events.find((e) => e.id === selection.event);
-      if (found) void session.edit({ type: 'event.set', id: found.id, event: { time: Math.max(0, round_to_frame(found.time + by, document.frame_rate)) } });
-    } else return;
+    const items = items_of(selection);
+    const marker = selection.kind === 'marker' ? find_marker(document, selection.marker) : undefined;
+    const command = marker
+      ? ({ type: 'marker.set', id: marker.id, time: Math.max(0, round_to_frame(marker.time + by, document.frame_rate)) } as const)
+      : move_items(document, items, by);
+    if (!marker && items.length === 0) return;
+    if (command) void session.edit(command);
     event.preventDefault();
     event.stopPropagation();
+  };
+
+  // ---- marquee: a rectangle that selects the clips and events that it touches ----
+
+  const [marquee, set_marquee] = useState<{ left: number; top: number; width: number; height: number } | null>(null);
+  const begin_marquee = (event: React.PointerEvent<HTMLDivElement>): void => {
+    const target = event.target as Element;
+    if (event.button !== 0 || target.closest('[role=listitem], button, .track-head')) return;
+    const area = event.currentTarget;
+    const character = target.closest('.lane')?.closest<HTMLElement>('[data-character]')?.dataset.character;
+    const adds = event.shiftKey || event.ctrlKey || event.metaKey;
+    const from = { x: event.clientX, y: event.clientY };
+    let box: DOMRect | null = null;
+    area.setPointerCapture(event.pointerId);
+    const move = (e: PointerEvent): void => {
+      if (!box && Math.hypot(e.clientX - from.x, e.clientY - from.y) < 4) return;
+      box = new DOMRect(Math.min(from.x, e.clientX), Math.min(from.y, e.clientY), Math.abs(e.clientX - from.x), Math.abs(e.clientY - from.y));
+      const origin = area.getBoundingClientRect();
+      set_marquee({ left: box.left - origin.left, top: box.top - origin.top + area.scrollTop, width: box.width, height: box.height });
+    };
+    const stop = (): void => {
+      area.removeEventListener('pointermove', move);
+      area.removeEventListener('pointerup', up);
+      area.removeEventListener('pointercancel', stop);
+      window.removeEventListener('keydown', key, true);
+      set_marquee(null);
+    };
+    const up = (): void => {
+      stop();
+      if (!box) {
+        if (!adds) session.select(character ? { kind: 'character', character } : { kind: 'none' });
+        return;
+      }
+      const { left, right, top, bottom } = box;
+      const touched = [...area.querySelectorAll<HTMLElement>('[data-clip], [data-event]')].filter((element) => {
+        const b = element.getBoundingClientRect();
+        return b.right > left && b.left < right && b.bottom > top && b.top < bottom;
+      });
+      const items = touched.map((element): Item => {
+        const { clip, event: id } = element.dataset;
+        return clip ? { kind: 'clip', character: element.closest<HTMLElement>('[data-character]')!.dataset.character!, clip } : { kind: 'event', event: id! };
+      });
+      session.select(adds ? add_items(session.state.selection, items) : selection_of(items));
+    };
+    const key = (e: globalThis.KeyboardEvent): void => {
+      if (e.key !== 'Escape') return;
+      e.preventDefault();
+      e.stopPropagation();
+      stop();
+    };
+    area.addEventListener('pointermove', move);
+    area.addEventListener('pointerup', up);
+    area.addEventListener('pointercancel', stop);
+    window.addEventListener('keydown', key, true);
   };
 
   // ---- dropping from the library ----
@@ -156,10 +212,17 @@ export function ScenarioPanel(): ReactElement {
           <button type="button" className="quiet" title="Add a push at the playhead  (Shift P)" disabled={doc.characters.length === 0} onClick={() => run('edit.push')}>
             + Push
           </button>
+          <button type="button" className="quiet" title="Add a marker at the playhead  (M)" onClick={() => run('marker.add')}>
+            + Marker
+          </button>
         </div>
-        <Ruler view={view} width={width} rate={rate} duration={duration} time_at={time_at} />
+        <div className="ruler-box">
+          <Ruler view={view} width={width} rate={rate} duration={duration} time_at={time_at} />
+          <RangeBar doc={doc} view={view} on_guide={set_guide} />
+          <MarkerFlags doc={doc} view={view} on_guide={set_guide} />
+        </div>
       </div>
-      <div className="tracks">
+      <div className="tracks" onPointerDown={begin_marquee}>
         <div className="lane-size" ref={lanes} />
         {doc.characters.map((character) => (
           <div key={character.id} onDragOver={(e) => drag_over(e, character.id)}>
@@ -167,11 +230,15 @@ export function ScenarioPanel(): ReactElement {
           </div>
         ))}
         <EventTrack doc={doc} view={view} on_guide={set_guide} />
+        {marquee && <div className="marquee" style={marquee} />}
         {doc.characters.length === 0 && <p className="hint lane-hint">To begin, drag a mechanism from the library here or onto the floor.</p>}
         {doc.characters.length > 0 && doc.characters.every((c) => c.track.length === 0) && <p className="hint lane-hint">Drag a motion from the library onto a track.</p>}
         {ghost && !ghost.character && !ghost.refused && <p className="hint lane-hint drop-hint">Drop to add a new character{session.entry(ghost.entry)?.kind === 'motion' ? ' with this motion' : ''}</p>}
       </div>
       <div className="overlay" aria-hidden="true">
+        {doc.range && <div className="outside" style={{ left: 0, width: Math.max(0, time_to_x(view, doc.range.from)) }} />}
+        {doc.range && <div className="outside" style={{ left: Math.max(0, time_to_x(view, doc.range.to)), right: 0 }} />}
+        {doc.markers?.map((marker) => <div key={marker.id} className="marker-line" style={{ left: time_to_x(view, marker.time) }} />)}
         <div className="beyond" style={{ left: Math.max(0, time_to_x(view, duration)) }} />
         {guide !== null && <div className="guide" style={{ left: time_to_x(view, guide) }} />}
         <Playhead view={view_ref} set_view={change_view} width={width} />

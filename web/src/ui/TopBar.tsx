@@ -3,6 +3,7 @@ import { format_factor, format_time } from '../core/format';
 import { show_key } from '../core/keymap';
 import { registry, session, useStudio } from './app';
 import { run } from './actions';
+import { ProjectMenu } from './files';
 import { Icon, type IconName } from './icons';
 
 function CommandButton({ id, icon, title, accent, pressed }: { id: string; icon: IconName; title?: string; accent?: boolean; pressed?: boolean }): ReactElement {
@@ -56,23 +57,17 @@ function Clock(): ReactElement {
 const speeds = [0.1, 0.25, 0.5, 1, 1.5, 2, 4];
 
 export function TopBar(): ReactElement {
-  const project = useStudio((s) => s.project);
-  const name = useStudio((s) => s.document?.name);
   const transport = useStudio((s) => s.transport);
   const undo_label = useStudio((s) => s.undo_label);
   const redo_label = useStudio((s) => s.redo_label);
   const step = useStudio((s) => s.document?.step);
   const ready = useStudio((s) => s.document !== null);
   const simulate = transport.mode === 'simulate';
-  const title = project?.name || name || '';
   return (
     <header className="topbar">
       <div className="bar-left">
         <span className="brand">Ugoki</span>
-        <span className="project" title={project ? `${project.path || 'not saved yet'}${project.unsaved ? ' — unsaved changes' : ''}` : ''}>
-          {title}
-          {project?.unsaved && <span className="unsaved" role="img" aria-label="unsaved changes">•</span>}
-        </span>
+        <ProjectMenu />
         <div className="tools">
           <CommandButton id="edit.undo" icon="undo" title={undo_label ? `Undo: ${undo_label}` : 'Undo'} />
           <CommandButton id="edit.redo" icon="redo" title={redo_label ? `Redo: ${redo_label}` : 'Redo'} />
@@ -101,6 +96,7 @@ export function TopBar(): ReactElement {
           <CommandButton id="play.toggle" icon={transport.playing ? 'pause' : 'play'} title={transport.playing ? 'Pause' : 'Play'} accent pressed={transport.playing} />
           <CommandButton id="play.on" icon="on" />
           <CommandButton id="play.end" icon="to_end" />
+          <CommandButton id="play.loop" icon="loop" pressed={transport.loop} />
         </div>
         <Clock />
         <select className="speed" aria-label="Playback speed" title="Playback speed" value={transport.speed} onChange={(e) => session.set_speed(Number(e.target.value))}>

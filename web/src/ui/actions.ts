@@ -1,5 +1,7 @@
 /** All commands of the page: id, label, keys, and the function that runs. */
 import { content_end, find_character, find_clip, find_event, fit_blends, free_name, free_place, track_end, with_room, type Clip, type ClipFields, type Command } from '../core/document';
+import { all_items, duplicate_items, remove_items, selection_of } from '../core/items';
+import { next_span, timed_measures, type BadSpan } from '../core/measures';
 import type { AppCommand } from '../core/commands';
 import { reads_anything } from '../core/play_controls';
 import type { StudioState, ViewOptions } from '../core/state';
@@ -27,8 +29,12 @@ export function set_view(part: Partial<ViewOptions>): void {
 const toggle = (option: keyof ViewOptions) => (): void => set_view({ [option]: !state().view[option] });
 
 function remove_selection(): void {
-  const { selection } = state();
-  if (selection.kind === 'clip') void session.edit({ type: 'clip.remove', character: selection.character, id: selection.clip });
+  const { selection, document } = state();
+  if (selection.kind === 'items' && document) {
+    const command = remove_items(document, selection.items);
+    if (command) void session.edit(command);
+  } else if (selection.kind === 'marker') void session.edit({ type: 'marker.remove', id: selection.marker });
+  else if (selection.kind === 'clip') void session.edit({ type: 'clip.remove', character: selection.character, id: selection.clip });
   else if (selection.kind === 'event') void session.edit({ type: 'event.remove', id: selection.event });
   else if (selection.kind === 'character') void session.edit({ type: 'character.remove', id: selection.character });
   else if (selection.kind === 'circuit') circuit.remove();
@@ -63,7 +69,10 @@ function duplicate(): void {
   if (chosen) return add_copy(chosen.character, chosen.clip, Math.round((chosen.clip.start + chosen.clip.length) * 1e6) / 1e6);
   if (selection.kind === 'circuit') return circuit.duplicate();
   if (!document) return;
-  if (selection.kind === 'event') {
+  if (selection.kind === 'items') {
+    const made = duplicate_items(document, selection.items, (prefix) => session.fresh_id(prefix));
+    if (made) void session.edit(made.command).then((ok) => ok && session.select(selection_of(made.copies)));
+  } else if (selection.kind === 'event') {
     const event = find_event(document, selection.event);
     if (!event) return;
     const id = session.fresh_id('e');
@@ -130,6 +139,75 @@ export async function add_character(mechanism: string, place?: { x: number; y: n
   });
 }
 
+const frame_time = (): number => {
+  const { document } = state();
+  return document ? Math.round(Math.round(session.now * document.frame_rate) / document.frame_rate * 1e6) / 1e6 : 0;
+};
+
+function add_marker(): void {
+  const id = session.fresh_id('m');
+  void session.edit({ type: 'marker.add', id, time: frame_time() }).then((ok) => ok && session.select({ kind: 'marker', marker: id }));
+}
+
+/** Moves the playhead to the next marker, or with `back` to the previous one. */
+function go_to_marker(back: boolean): void {
+  const times = (state().document?.markers ?? []).map((m) => m.time);
+  const now = session.now;
+  const time = back ? times.reverse().find((t) => t < now - 1e-3) : times.find((t) => t > now + 1e-3);
+  if (time !== undefined) session.seek(time);
+}
+
+/** Sets the in or out point at the playhead; the other point stays, or is the begin or the end of the scenario. */
+function set_range(end: 'from' | 'to'): void {
+  const { document } = state();
+  if (!document) return;
+  const time = frame_time();
+  const range = { from: document.range?.from ?? 0, to: document.range?.to ?? document.duration, [end]: time };
+  if (range.from >= range.to) {
+    if (end === 'from') range.to = document.duration;
+    else range.from = 0;
+  }
+  if (range.to - range.from < 1e-3) return session.notify('In and out are at the same time. Move the playhead first.');
+  void session.edit({ type: 'scenario.set', range });
+}
+
+/** All time spans of the simulation in which a measure of a character that follows its track is bad. */
+export function all_bad_spans(): BadSpan[] {
+  const { document, measures } = state();
+  const driven = document?.characters.filter((c) => c.control.mode === 'track') ?? [];
+  return driven.flatMap((c) => timed_measures.flatMap((measure) => measures.bad_spans(c.id, measure)));
+}
+
+function go_to_problem(back: boolean): void {
+  const span = next_span(all_bad_spans(), session.now, back);
+  if (span) session.seek(span.at);
+  else session.notify(back ? 'No problem before the playhead.' : 'No problem after the playhead.');
+}
+
+/** Offers `data` as a download. */
+export function download(data: Blob, name: string): void {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(data);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+  session.notify(`Exported ${name}`);
+}
+
+/** Name of the content without characters that file names must not contain. */
+export const file_stem = (): string => (state().document?.name ?? 'content').replace(/[/\\:*?"<>|]/g, '-');
+
+function export_measures(): void {
+  const { measures, document: doc } = state();
+  const characters = doc?.characters.filter((c) => c.control.mode === 'track') ?? [];
+  download(new Blob([measures.csv(characters)], { type: 'text/csv' }), `${file_stem()} naturalness.csv`);
+}
+
+async function export_picture(): Promise<void> {
+  const picture = await parts.viewport?.picture();
+  if (picture) download(picture, `${file_stem()} ${session.now.toFixed(2)} s.png`);
+}
+
 function add_push(): void {
   const { document, selection } = state();
   const id = selection.kind === 'character' || selection.kind === 'clip' ? selection.character : document?.characters[0]?.id;
@@ -174,12 +252,7 @@ async function export_as(form: string, ending: string): Promise<void> {
       const { problems } = new RequestError(((await response.json()) as { error?: ServiceError }).error, 'The export failed.');
       return session.notify(problems.map((p) => [p.message, p.remedy].filter(Boolean).join(' ')).join('\n'), 'error');
     }
-    const link = document.createElement('a');
-    link.href = URL.createObjectURL(await response.blob());
-    link.download = `${(state().document?.name ?? 'content').replace(/[/\\:*?"<>|]/g, '-')}${ending}`;
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 60000);
-    session.notify(`Exported ${link.download}`);
+    download(await response.blob(), `${file_stem()}${ending}`);
   } catch (error) {
     session.notify(`The export failed: ${(error as Error).message}`, 'error');
   }
@@ -199,12 +272,33 @@ const move_view = (action: 'orbit' | 'pan', dx: number, dy: number) => (): void 
   else viewport.rig.pan(dx, dy, viewport.size.height);
   viewport.invalidate();
 };
+const key_turn = Math.PI / 12; // rad: the number keys turn the view by 15 degrees
+const turn_view = (azimuth: number, elevation: number) => (): void => {
+  parts.viewport?.rig.turn(azimuth, elevation);
+  parts.viewport?.invalidate();
+};
+/** Looks from the opposite direction, at the same height. */
+const opposite_view = (): void => {
+  parts.viewport?.rig.turn(Math.PI, 0);
+  parts.viewport?.invalidate();
+};
+/** Returns to the view that the project stores, or to the initial view of new projects. */
+const initial_view = (): void => {
+  const { viewport } = parts;
+  if (!viewport) return;
+  const camera = state().document?.camera;
+  viewport.rig.look_from(camera?.azimuth ?? 0.7, camera?.elevation ?? 0.25);
+  viewport.rig.set({ distance: camera?.distance ?? 5 }, false);
+  viewport.invalidate();
+};
 const zoom_view = (factor: number) => (): void => {
   parts.viewport?.rig.zoom(factor);
   parts.viewport?.invalidate();
 };
 
 const commands: AppCommand[] = [
+  { id: 'file.new', label: 'New project…', group: 'Project', keys: ['Ctrl+Alt+N'], enabled: has_document, run: () => session.set({ dialog: 'new' }) },
+  { id: 'file.open', label: 'Open project…', group: 'Project', keys: ['Ctrl+O'], enabled: has_document, run: () => session.set({ dialog: 'open' }) },
   { id: 'file.save', label: 'Save', group: 'Project', keys: ['Ctrl+S'], enabled: has_document, run: () => session.save() },
   { id: 'file.save_as', label: 'Save as…', group: 'Project', keys: ['Ctrl+Shift+S'], enabled: has_document, run: () => session.set({ dialog: 'save_as' }) },
   { id: 'file.import', label: 'Import motion or mechanism…', group: 'Project', keys: ['Ctrl+I'], run: () => parts.choose_files() },
@@ -217,10 +311,14 @@ const commands: AppCommand[] = [
     ['csv', 'a table of the simulated motion', '.csv'],
   ] as const).map(([form, what, ending]): AppCommand => ({ id: `file.export_${form}`, label: `Export as ${what}…`, group: 'Project', enabled: has_document, run: () => void export_as(form, ending) })),
 
+  { id: 'file.export_picture', label: 'Save a picture of the viewport (PNG)', group: 'Project', keys: ['F2'], enabled: () => has_document() && parts.viewport !== null, run: () => void export_picture() },
+  { id: 'file.export_measures', label: 'Export naturalness as CSV', group: 'Project', enabled: () => state().measures.frames > 1, run: export_measures },
+
   { id: 'edit.undo', repeats: true, label: 'Undo', group: 'Edit', keys: ['Ctrl+Z'], enabled: () => state().can_undo, run: () => session.undo() },
   { id: 'edit.redo', repeats: true, label: 'Redo', group: 'Edit', keys: ['Ctrl+Shift+Z', 'Ctrl+Y'], enabled: () => state().can_redo, run: () => session.redo() },
   { id: 'edit.remove', label: 'Delete selection', group: 'Edit', keys: ['Delete', 'Backspace'], blender: ['X'], enabled: () => !['none', 'entry'].includes(state().selection.kind), run: remove_selection },
   { id: 'edit.duplicate', label: 'Duplicate', group: 'Edit', keys: ['Ctrl+D'], blender: ['Shift+D'], enabled: () => !['none', 'entry'].includes(state().selection.kind), run: duplicate },
+  { id: 'edit.select_all', label: 'Select all clips and events', group: 'Edit', keys: ['Ctrl+A'], enabled: has_document, run: () => { const { document } = state(); if (document) session.select(selection_of(all_items(document))); } },
   { id: 'edit.copy', label: 'Copy clip', group: 'Edit', keys: ['Ctrl+C'], enabled: () => selected_clip() !== null, run: () => { copied = selected_clip(); } },
   {
     id: 'edit.paste', label: 'Paste clip at playhead', group: 'Edit', keys: ['Ctrl+V'], enabled: () => copied !== null && has_document(),
@@ -243,6 +341,15 @@ const commands: AppCommand[] = [
     },
   },
   { id: 'edit.push', label: 'Add push at playhead', group: 'Edit', keys: ['Shift+P'], enabled: () => (state().document?.characters.length ?? 0) > 0, run: add_push },
+  { id: 'marker.add', label: 'Add marker at playhead', group: 'Edit', keys: ['M'], enabled: has_document, run: add_marker },
+  { id: 'marker.next', label: 'Go to the next marker', group: 'Transport', keys: ['PageDown'], enabled: () => (state().document?.markers?.length ?? 0) > 0, run: () => go_to_marker(false) },
+  { id: 'marker.previous', label: 'Go to the previous marker', group: 'Transport', keys: ['PageUp'], enabled: () => (state().document?.markers?.length ?? 0) > 0, run: () => go_to_marker(true) },
+  { id: 'range.in', label: 'Set in point at playhead', group: 'Transport', keys: ['I'], enabled: has_document, run: () => set_range('from') },
+  { id: 'range.out', label: 'Set out point at playhead', group: 'Transport', keys: ['Shift+I'], enabled: has_document, run: () => set_range('to') },
+  { id: 'range.clear', label: 'Clear in and out', group: 'Transport', keys: ['Alt+I'], enabled: () => Boolean(state().document?.range), run: () => void session.edit({ type: 'scenario.set', range: null }) },
+  { id: 'play.loop', label: 'Loop between in and out', group: 'Transport', keys: ['Shift+L'], enabled: has_document, run: () => session.set_loop(!state().transport.loop) },
+  { id: 'measure.next', label: 'Go to the next naturalness problem', group: 'Transport', keys: ['Shift+PageDown'], enabled: () => state().measures.frames > 1, run: () => go_to_problem(false) },
+  { id: 'measure.previous', label: 'Go to the previous naturalness problem', group: 'Transport', keys: ['Shift+PageUp'], enabled: () => state().measures.frames > 1, run: () => go_to_problem(true) },
   { id: 'edit.camera', label: 'Save this view as the initial view', group: 'Edit', enabled: has_document, run: save_camera },
 
   { id: 'play.toggle', label: 'Play or pause', group: 'Transport', keys: ['Space'], enabled: has_document, run: () => session.toggle_play() },
@@ -272,6 +379,11 @@ const commands: AppCommand[] = [
   ]),
   { id: 'view.nearer', label: 'Move the camera nearer', group: 'View', keys: ['+', '='], repeats: true, run: zoom_view(0.9) },
   { id: 'view.farther', label: 'Move the camera farther away', group: 'View', keys: ['-'], repeats: true, run: zoom_view(1 / 0.9) },
+  ...([['left', '4', -key_turn, 0], ['right', '6', key_turn, 0], ['up', '8', 0, key_turn], ['down', '2', 0, -key_turn]] as const).map(([way, key, azimuth, elevation]): AppCommand => ({
+    id: `view.turn_${way}`, label: `Turn the view ${way} by 15°`, group: 'View', keys: [key], repeats: true, run: turn_view(azimuth, elevation),
+  })),
+  { id: 'view.opposite', label: 'View from the opposite side', group: 'View', keys: ['9'], run: opposite_view },
+  { id: 'view.initial', label: 'View as stored in the project', group: 'View', keys: ['0'], run: initial_view },
   { id: 'view.top', label: 'View from above', group: 'View', keys: ['7'], run: look_from(-Math.PI / 2, 1.55) },
 
   { id: 'circuit.add', label: 'Add an LSI…', group: 'Circuit', enabled: has_canvas, run: () => parts.circuit?.open_search() },

@@ -3,6 +3,7 @@ import { useEffect, useLayoutEffect, useRef, useState, type ReactElement } from 
 import { show_key } from '../core/keymap';
 import { code_in } from '../core/access';
 import { access, registry, session, useStudio } from './app';
+import { NewDialog, OpenDialog } from './files';
 import { Icon } from './icons';
 
 const close = (): void => session.set({ dialog: 'none' });
@@ -12,6 +13,8 @@ export function Dialogs(): ReactElement | null {
   if (dialog === 'palette') return <Palette />;
   if (dialog === 'keys') return <Keys />;
   if (dialog === 'save_as') return <SaveAs />;
+  if (dialog === 'open') return <OpenDialog />;
+  if (dialog === 'new') return <NewDialog />;
   return null;
 }
 
@@ -126,6 +129,8 @@ const mouse_both: [string, string][] = [
   ['Trim a clip', 'drag its edge; Alt stretches it'],
   ['Slip the motion in a clip', 'Alt + drag the clip'],
   ['Mirror, blend, turn …', 'right-click a clip'],
+  ['Select several clips and events', 'Shift or Ctrl + click, or drag a rectangle'],
+  ['Move a marker, in or out', 'drag it in the ruler'],
   ['Fine steps · no snapping', 'Shift · Ctrl while dragging'],
   ['Timeline', 'wheel zooms, Shift + wheel pans'],
 ];

@@ -1,6 +1,7 @@
 /** `window.ugoki`: read-only access to the page's state, for the end-to-end tests. */
 import * as THREE from 'three';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, link_position } from '../core/frames';
+import { all_bad_spans } from './actions';
 import { circuit, imports, library, parts, session } from './app';
 
 export interface PageHook {
@@ -11,6 +12,10 @@ export interface PageHook {
   transport(): unknown;
   selection(): unknown;
   summary(): unknown;
+  /** Measures over time: number and rate of the frames, and the spans in which a measure is bad. */
+  measures(): { frames: number; rate: number; bad: { character: string; measure: string; from: number; to: number; at: number }[] };
+  /** Paths of the recently opened projects, newest first. */
+  recent(): string[];
   log(): string[];
   undo(): { can_undo: boolean; can_redo: boolean; undo_label: string; redo_label: string };
   frame(): { time: number; number: number; playing: boolean; simulate: boolean; grabbing: boolean; contacts: number } | null;
@@ -75,6 +80,11 @@ export function expose_hook(): void {
     transport: () => structuredClone(session.state.transport),
     selection: () => structuredClone(session.state.selection),
     summary: () => structuredClone(session.state.summary),
+    measures: () => {
+      const { frames, rate } = session.state.measures;
+      return { frames, rate, bad: all_bad_spans().map(({ character, measure, from, to, at }) => ({ character, measure: measure.key, from, to, at })) };
+    },
+    recent: () => session.state.recent.map((r) => r.path),
     log: () => session.state.log.map((line) => `${line.level}: ${line.text}`),
     undo: () => {
       const { can_undo, can_redo, undo_label, redo_label } = session.state;

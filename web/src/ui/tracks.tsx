@@ -1,9 +1,11 @@
-import { useLayoutEffect, useRef, type ReactElement } from 'react';
+import { useLayoutEffect, useMemo, useRef, type ReactElement } from 'react';
 import { CharacterState } from '../core/frames';
-import { apply_command, blend_spans, find_character, fit_blends, type Character, type Clip, type Command, type ScenarioDocument, type ScenarioEvent } from '../core/document';
+import { apply_command, blend_spans, find_character, fit_blends, is_left_out, type Character, type Clip, type Command, type ScenarioDocument, type ScenarioEvent } from '../core/document';
 import { format_number, format_time } from '../core/format';
+import { is_selected, items_of, items_span, move_items, toggle_item, type Item } from '../core/items';
 import { changed_fields, drag_clip, ends_moving, move_clip, snap_delta, snap_targets, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
 import { shown_document } from '../core/state';
+import { describe_span, timed_measures } from '../core/measures';
 import { band_gradient } from '../core/motion/desk';
 import { desk, plain_canvas, session, useDesk, usePage, useStudio } from './app';
 
@@ -51,34 +53,37 @@ export function drop_target(entry_id: string, character: string | null, time: nu
   };
 }
 
-const snap_rules = (doc: ScenarioDocument, exclude: string, tolerance: number): Omit<SnapRules, 'enabled'> => ({
+type Exclude = string | readonly string[];
+const snap_rules = (doc: ScenarioDocument, exclude: Exclude, tolerance: number): Omit<SnapRules, 'enabled'> => ({
   targets: snap_targets(doc, exclude, session.now),
   tolerance,
   frame_rate: doc.frame_rate,
 });
 
-interface DragSetup {
+export interface DragSetup {
   event: React.PointerEvent<HTMLElement>;
   /** Scale of the time axis, px per s. */
   scale: number;
   /** Previews a drag by `delta` s. `rules` are the snapping rules for the modifier keys held, `over` is the element under the pointer. */
-  move: (delta: number, rules: (doc: ScenarioDocument, exclude: string) => SnapRules, over: Element | null) => void;
+  move: (delta: number, rules: (doc: ScenarioDocument, exclude: Exclude) => SnapRules, over: Element | null) => void;
   /** Sends the command at the end of the drag. */
   done: () => void;
   cancel: () => void;
+  /** Called instead of `done` if the pointer was released without a drag. */
+  click?: () => void;
 }
 
 /**
  * Follows one drag from press to release; travel below `drag_px` is ignored. Shift: a tenth of the speed; Ctrl: no snapping; Escape:
  * cancel.
  */
-function start_drag({ event, scale, move, done, cancel }: DragSetup): void {
+export function start_drag({ event, scale, move, done, cancel, click }: DragSetup): void {
   const target = event.currentTarget;
   target.setPointerCapture(event.pointerId);
   let last = event.clientX;
   let travelled = 0;
   let dragging = false;
-  const rules_of = (e: { ctrlKey: boolean; metaKey: boolean; shiftKey: boolean }) => (doc: ScenarioDocument, exclude: string): SnapRules => ({
+  const rules_of = (e: { ctrlKey: boolean; metaKey: boolean; shiftKey: boolean }) => (doc: ScenarioDocument, exclude: Exclude): SnapRules => ({
     ...snap_rules(doc, exclude, e.shiftKey ? 0 : snap_px / scale),
     enabled: !(e.ctrlKey || e.metaKey),
   });
@@ -98,6 +103,7 @@ function start_drag({ event, scale, move, done, cancel }: DragSetup): void {
   const on_up = (): void => {
     stop();
     if (dragging) done();
+    else click?.();
   };
   const on_cancel = (): void => {
     stop();
@@ -113,6 +119,79 @@ function start_drag({ event, scale, move, done, cancel }: DragSetup): void {
   target.addEventListener('pointerup', on_up);
   target.addEventListener('pointercancel', on_cancel);
   window.addEventListener('keydown', on_key, true);
+}
+
+/** Whether a press adds to the selection or removes from it. */
+const toggles = (event: { shiftKey: boolean; ctrlKey: boolean; metaKey: boolean }): boolean => event.shiftKey || event.ctrlKey || event.metaKey;
+
+/**
+ * The selection at a press on `item`: without Shift and Ctrl, the item is selected, unless it belongs to a selection of several items, which
+ * a drag moves together.
+ * @return ids of the items that a drag moves, or null if it moves `item` alone; `click` is the action of a press without a drag
+ */
+function press_item(event: React.PointerEvent, item: Item): { together: readonly Item[] | null; click: () => void } {
+  const { selection } = session.state;
+  const together = items_of(selection).length > 1 && is_selected(selection, item) ? items_of(selection) : null;
+  if (toggles(event)) return { together, click: () => session.select(toggle_item(session.state.selection, item)) };
+  if (!together) session.select(item);
+  return { together, click: () => session.select(item) };
+}
+
+/** The drag of several selected items: they move together by one command. */
+function drag_together(items: readonly Item[], on_guide: (time: number | null) => void): Pick<DragSetup, 'move' | 'done' | 'cancel'> {
+  const { document } = session.state;
+  const span = document && items_span(document, items);
+  const ids = items.map((item) => (item.kind === 'clip' ? item.clip : item.event));
+  let command: Command | null = null;
+  return {
+    move: (delta, rules) => {
+      if (!document || !span) return;
+      const snapped = snap_delta([span.from, span.to], delta, rules(document, ids));
+      on_guide(snapped.at);
+      command = move_items(document, items, snapped.delta);
+      session.show_preview(command && apply_command(document, command));
+    },
+    done: () => {
+      on_guide(null);
+      if (command) void session.edit(command);
+      else session.show_preview(null);
+    },
+    cancel: () => {
+      on_guide(null);
+      session.show_preview(null);
+    },
+  };
+}
+
+/** Selects a focused item, but not when a press focused it: the press decides on the selection itself. */
+const select_focused = (event: React.FocusEvent<HTMLElement>, item: Item): void => {
+  if (event.currentTarget.matches(':focus-visible') && !is_selected(session.state.selection, item)) session.select(item);
+};
+
+/** Buttons in the header of a track: mute, solo, lock. */
+function TrackSwitches({ character }: { character: Character }): ReactElement {
+  const switches = [
+    ['muted', 'M', 'Mute', 'leave this character and its events out of playing'],
+    ['solo', 'S', 'Solo', 'play only this character and other solo characters'],
+    ['locked', 'L', 'Lock', 'protect the clips of this track against changes'],
+  ] as const;
+  return (
+    <span className="track-switches">
+      {switches.map(([key, letter, name, meaning]) => (
+        <button
+          key={key}
+          type="button"
+          className={`track-switch ${key}`}
+          aria-pressed={Boolean(character[key])}
+          aria-label={`${letter}: ${name} ${character.name}`}
+          title={`${name}: ${meaning}`}
+          onClick={() => void session.edit({ type: 'character.set', id: character.id, [key]: !character[key] })}
+        >
+          {letter}
+        </button>
+      ))}
+    </span>
+  );
 }
 
 interface TrackProps {
@@ -133,9 +212,15 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
   const duration = useStudio((s) => shown_document(s)?.duration ?? 0);
   const unfinished = ends_moving(character, end_speed, duration);
   const chosen = selection.kind === 'character' && selection.character === character.id;
-  const active = chosen || (selection.kind === 'clip' && selection.character === character.id);
+  const active = chosen || items_of(selection).some((item) => item.kind === 'clip' && item.character === character.id);
+  const left_out = useStudio((s) => {
+    const doc = shown_document(s);
+    return doc !== null && is_left_out(doc, character);
+  });
+  const name = ['track', active && 'active', left_out && 'left-out', character.locked && 'locked'].filter(Boolean).join(' ');
   return (
-    <div className={active ? 'track active' : 'track'} data-character={character.id}>
+    <div className={name} data-character={character.id}>
+      <div className="track-head">
       <button
         type="button"
         className="track-name"
@@ -148,12 +233,10 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
         {state === CharacterState.released && <span className="released">released</span>}
         {character.control.mode === 'passive' && state !== CharacterState.released && <span className="passive">passive</span>}
       </button>
-      <div
-        className="lane"
-        onPointerDown={(e) => {
-          if (e.button === 0 && e.target === e.currentTarget) session.select({ kind: 'character', character: character.id });
-        }}
-      >
+      <TrackSwitches character={character} />
+      </div>
+      <div className="lane">
+        <BadMarks character={character.id} view={view} />
         <div className="items" role="list" aria-label={`Clips of ${character.name}`}>
           {character.track.map((clip) => {
             const entry = session.entry(clip.motion);
@@ -166,8 +249,9 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
                 motion_duration={entry?.duration}
                 view={view}
                 blended={character.track.some((other) => other.id !== clip.id && other.start < clip.start)}
-              covered={Math.max(0, ...blends.filter((b) => b.into === clip.id).map((b) => b.to - b.from))}
-                selected={selection.kind === 'clip' && selection.clip === clip.id && selection.character === character.id}
+                covered={Math.max(0, ...blends.filter((b) => b.into === clip.id).map((b) => b.to - b.from))}
+                selected={is_selected(selection, { kind: 'clip', character: character.id, clip: clip.id })}
+                locked={Boolean(character.locked)}
                 on_guide={on_guide}
                 on_ghost={on_ghost}
               />
@@ -225,11 +309,13 @@ interface ClipBoxProps {
   /** Duration of the cross-fade at the start of the clip, s; the clip's name is drawn after the cross-fade. */
   covered: number;
   selected: boolean;
+  /** True: the track is locked, so the clip can be selected but not changed. */
+  locked: boolean;
   on_guide: (time: number | null) => void;
   on_ghost: (ghost: DropGhost | null) => void;
 }
 
-function ClipBox({ character, clip, name, motion_duration, view, blended, covered, selected, on_guide, on_ghost }: ClipBoxProps): ReactElement {
+function ClipBox({ character, clip, name, motion_duration, view, blended, covered, selected, locked, on_guide, on_ghost }: ClipBoxProps): ReactElement {
   const width = Math.max(4, clip.length * view.scale);
 
   const kind_at = (event: React.PointerEvent<HTMLElement>): ClipDragKind => {
@@ -243,17 +329,23 @@ function ClipBox({ character, clip, name, motion_duration, view, blended, covere
   const down = (event: React.PointerEvent<HTMLElement>): void => {
     if (event.button !== 0) return;
     event.stopPropagation();
-    session.select({ kind: 'clip', character, clip: clip.id });
+    const item: Item = { kind: 'clip', character, clip: clip.id };
     const kind = kind_at(event);
+    const { together, click } = press_item(event, item);
     const document = session.state.document;
     const origin = document && find_character(document, character)?.track.find((k) => k.id === clip.id);
     if (!document || !origin) return;
+    const nothing = (): void => undefined;
+    if (locked) return start_drag({ event, scale: view.scale, click, move: nothing, done: nothing, cancel: nothing });
+    if (together && kind === 'move') return start_drag({ event, scale: view.scale, click, ...drag_together(together, on_guide) });
     let command: Command | null = null;
     let other: DropGhost | null = null; // preview on another character's track while the clip is over that track
     start_drag({
       event,
       scale: view.scale,
+      click,
       move: (delta, rules, over) => {
+        session.select(item);
         const result = drag_clip(origin, kind, delta, rules(document, clip.id), motion_duration);
         on_guide(result.at);
         const under = kind === 'move' ? over?.closest<HTMLElement>('[data-character]')?.dataset.character : undefined;
@@ -285,7 +377,7 @@ function ClipBox({ character, clip, name, motion_duration, view, blended, covere
   /** Drags the handle at the end of the cross-fade, which changes its duration. */
   const drag_blend = (event: React.PointerEvent<HTMLElement>): void => {
     const document = session.state.document;
-    if (event.button !== 0 || !document) return;
+    if (event.button !== 0 || !document || locked) return;
     event.stopPropagation();
     session.select({ kind: 'clip', character, clip: clip.id });
     let command: Command | null = null;
@@ -314,7 +406,7 @@ function ClipBox({ character, clip, name, motion_duration, view, blended, covere
   const hover = (event: React.PointerEvent<HTMLElement>): void => {
     if (event.buttons !== 0) return;
     const kind = kind_at(event);
-    event.currentTarget.style.cursor = kind === 'move' ? 'grab' : kind === 'slip' ? 'col-resize' : 'ew-resize';
+    event.currentTarget.style.cursor = locked ? 'not-allowed' : kind === 'move' ? 'grab' : kind === 'slip' ? 'col-resize' : 'ew-resize';
   };
 
   const loop_marks: number[] = [];
@@ -340,7 +432,7 @@ function ClipBox({ character, clip, name, motion_duration, view, blended, covere
       style={{ left: time_to_x(view, clip.start), width }}
       onPointerDown={down}
       onPointerMove={hover}
-      onFocus={() => session.select({ kind: 'clip', character, clip: clip.id })}
+      onFocus={(e) => select_focused(e, { kind: 'clip', character, clip: clip.id })}
       onContextMenu={(e) => {
         e.preventDefault();
         const box = e.currentTarget.getBoundingClientRect();
@@ -410,6 +502,24 @@ function ContactBar({ character, view }: { character: string; view: TimeView }):
   return <canvas ref={canvas} className="contacts" role="img" aria-label="Feet in contact with the ground: green two or more, yellow one, orange none" title="Feet in contact with the ground: green two or more, yellow one, orange none" />;
 }
 
+/** Red lines above the clips at the times at which a measure of naturalness is bad; the naturalness panel names the measures. */
+function BadMarks({ character, view }: { character: string; view: TimeView }): ReactElement {
+  const measures = useStudio((s) => s.measures);
+  const spans = useMemo(() => timed_measures.flatMap((measure) => measures.bad_spans(character, measure)), [measures, character]);
+  return (
+    <>
+      {spans.map((span) => (
+        <span
+          key={`${span.measure.key} ${span.from}`}
+          className="problem-mark"
+          title={describe_span(span)}
+          style={{ left: time_to_x(view, span.from), width: Math.max(2, (span.to - span.from) * view.scale) }}
+        />
+      ))}
+    </>
+  );
+}
+
 export function describe_event(event: ScenarioEvent, doc: ScenarioDocument): string {
   const name = event.character ? (find_character(doc, event.character)?.name ?? event.character) : '';
   if (event.type === 'push') return `push ${name}${event.force ? ` ${format_number(Math.hypot(...event.force), 0)} N` : ''}`.trim();
@@ -428,7 +538,7 @@ export function EventTrack({ doc, view, on_guide }: { doc: ScenarioDocument; vie
       <div className="lane">
         <div className="items" role="list" aria-label="Events">
           {doc.events.map((event) => (
-            <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={selection.kind === 'event' && selection.event === event.id} />
+            <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={is_selected(selection, { kind: 'event', event: event.id })} />
           ))}
         </div>
         {doc.events.length === 0 && <span className="hint">Shift P adds a push at the playhead</span>}
@@ -442,7 +552,9 @@ function EventPill({ event, doc, view, selected, on_guide }: { event: ScenarioEv
   const down = (pointer: React.PointerEvent<HTMLElement>): void => {
     if (pointer.button !== 0) return;
     pointer.stopPropagation();
-    session.select({ kind: 'event', event: event.id });
+    const item: Item = { kind: 'event', event: event.id };
+    const { together, click } = press_item(pointer, item);
+    if (together) return start_drag({ event: pointer, scale: view.scale, click, ...drag_together(together, on_guide) });
     const document = session.state.document;
     const origin = document?.events.find((e) => e.id === event.id);
     if (!document || !origin) return;
@@ -450,7 +562,9 @@ function EventPill({ event, doc, view, selected, on_guide }: { event: ScenarioEv
     start_drag({
       event: pointer,
       scale: view.scale,
+      click,
       move: (delta, rules) => {
+        session.select(item);
         const snapped = snap_delta([origin.time], delta, rules(document, event.id));
         time = Math.max(0, Math.round((origin.time + snapped.delta) * 1e6) / 1e6);
         on_guide(snapped.at);
@@ -471,12 +585,13 @@ function EventPill({ event, doc, view, selected, on_guide }: { event: ScenarioEv
     <div
       role="listitem"
       tabIndex={0}
+      data-event={event.id}
       className={`pill ${event.type}${selected ? ' selected' : ''}${(event.duration ?? 0) * view.scale < min_text_px ? ' short' : ''}`}
       aria-label={`${text}, at ${format_time(event.time)}`}
       title={`${text}\nat ${format_number(event.time)} s`}
       style={{ left: time_to_x(view, event.time), width: Math.max(min_pill_px, (event.duration ?? 0) * view.scale) }}
       onPointerDown={down}
-      onFocus={() => session.select({ kind: 'event', event: event.id })}
+      onFocus={(e) => select_focused(e, { kind: 'event', event: event.id })}
     >
       <span className="pill-text">{text}</span>
     </div>

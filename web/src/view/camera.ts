@@ -53,12 +53,17 @@ export class CameraRig {
     this.apply();
   }
 
-  /** Turns the view. The camera stays above the floor, unless it is already below the floor. @param dx, dy movement of the pointer, px */
+  /** Turns the view as a drag does. @param dx, dy movement of the pointer, px */
   orbit(dx: number, dy: number): void {
+    this.turn(-dx * 0.0075, dy * 0.0065);
+  }
+
+  /** Turns the view. The camera stays above the floor, unless it is already below the floor. @param azimuth, elevation change, rad */
+  turn(azimuth: number, elevation: number): void {
     const { goal } = this;
-    goal.azimuth -= dx * 0.0075;
+    goal.azimuth += azimuth;
     const lowest = Math.asin(clamp((min_height - goal.target.z) / goal.distance, -0.99, 0.99));
-    goal.elevation = clamp(goal.elevation + dy * 0.0065, goal.elevation >= lowest - 1e-9 ? Math.max(-1.45, lowest) : -1.45, 1.55);
+    goal.elevation = clamp(goal.elevation + elevation, goal.elevation >= lowest - 1e-9 ? Math.max(-1.45, lowest) : -1.45, 1.55);
   }
 
   /**

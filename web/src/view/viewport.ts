@@ -3,7 +3,7 @@
  * selecting, pulling and placing (PointerControl). Independent of React.
  */
 import * as THREE from 'three';
-import { find_character } from '../core/document';
+import { find_character, is_left_out } from '../core/document';
 import { format_label } from '../core/format';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, CharacterState, type Frame } from '../core/frames';
 import type { MechanismData } from '../core/protocol';
@@ -244,6 +244,12 @@ export class Viewport {
     return sphere ? sphere.center.clone().add(new THREE.Vector3(0, 0, sphere.radius + 0.06)) : null;
   }
 
+  /** The view as a PNG picture at full resolution, as it is drawn now; null if the browser cannot encode it. */
+  picture(): Promise<Blob | null> {
+    this.draw(this.session.frames.latest, true);
+    return new Promise((done) => this.canvas.toBlob(done, 'image/png')); // in the same task as draw(), before the browser clears the buffer
+  }
+
   // ---- updates from the state ----
 
   private state_changed(state: StudioState, before: StudioState | null): void {
@@ -267,7 +273,7 @@ export class Viewport {
     const wanted = new Map<string, MechanismData>();
     for (const character of doc?.characters ?? []) {
       const mechanism = state.mechanisms[character.mechanism];
-      if (mechanism) wanted.set(character.id, mechanism);
+      if (mechanism && doc && !is_left_out(doc, character)) wanted.set(character.id, mechanism);
     }
     for (const [id, entry] of this.drawn) {
       if (wanted.get(id) === entry.character_view.mechanism) continue;

@@ -45,7 +45,7 @@ function Dialog(): ReactElement {
       }}
     >
       <div ref={dialog} className="dialog import" role="dialog" aria-modal="true" aria-label="Import" tabIndex={-1}>
-        <header>
+        <div className="import-head">
           <h2>Import</h2>
           {items.length > 1 && (
             <div className="import-progress" role="progressbar" aria-label="Files read" aria-valuemin={0} aria-valuemax={items.length} aria-valuenow={finished}>
@@ -56,7 +56,7 @@ function Dialog(): ReactElement {
           <button type="button" className="tool" aria-label="Close without storing" title="Close without storing  (Esc)" onClick={() => imports.close()}>
             <Icon name="close" />
           </button>
-        </header>
+        </div>
         <div className={items.length > 1 ? 'import-body with-list' : 'import-body'}>
           {items.length > 1 && <FileList items={items} shown={item?.id ?? null} />}
           {item && <FileView key={item.id} item={item} />}

@@ -1,0 +1,113 @@
+// Members of Interpreter that report transport, devices, summary and measures to the pages.
+
+#include <cstdio>
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "ugoki/circuit/devices.h"
+#include "ugoki/studio/interpreter.h"
+
+namespace ugoki::studio {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t max_measures = 40'000;  // maximum count of values in one event `measures`, about 300 KB of text
+
+/// `value` rounded to multiples of 0.001, which is finer than any limit of the measures and keeps their text short.
+double rounded(float value) { return std::round(static_cast<double>(value) * 1000) / 1000; }
+
+}  // namespace
+
+void Interpreter::report_transport() {
+  transport_reported_ = seconds_();
+  const double pace = computed_seconds_ > 0 ? computed_steps_ / computed_seconds_ : 0;
+  char hash[17];
+  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(simulation_->state_hash()));
+  const Json event{{"event", "transport"},
+                   {"mode", mode_ == PlayMode::edit ? "edit" : "simulate"},
+                   {"playing", playing_},
+                   {"speed", speed_},
+                   {"loop", loop_},
+                   {"time", shown_},
+                   {"duration", simulation_->duration()},
+                   {"simulated", head_time()},
+                   {"steps", simulation_->step_count()},
+                   {"state_hash", hash},
+                   {"steps_per_s", pace},
+                   {"realtime_factor", pace * simulation_->step_size()},
+                   {"status", status_}};
+  sink_.message(event.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+/// Sends the event `devices` (what the circuit reads of keyboard, mouse and gamepads) if it changed.
+void Interpreter::report_devices() {
+  circuit::DeviceUse use = simulation_->devices() ? simulation_->devices()->use() : circuit::DeviceUse{};
+  if (reported_devices_ == use) return;
+  sink_.message(R"({"event":"devices",)" + circuit::write_device_use(use).substr(1));
+  reported_devices_ = std::move(use);
+}
+
+void Interpreter::report_summary() {
+  touches_reported_ = 0;
+  report_quality();
+  summary_reported_ = seconds_();
+  summary_due_ = false;
+  const std::vector<CastMember>& cast = simulation_->cast();
+  Json characters = Json::array(), contacts = Json::array();
+  for (std::size_t c = 0; c < cast.size(); ++c) {
+    const CharacterSummary s = simulation_->summary(static_cast<int>(c));
+    characters.push_back({{"id", cast[c].id},
+                          {"assist_rms_bw", s.assist_rms_bw},
+                          {"foot_skate_cm", s.foot_skate_cm},
+                          {"tracking_rms_deg", s.tracking_rms_deg},
+                          {"penetration_mm", s.penetration_mm},
+                          {"fell", s.fell}});
+  }
+  for (const ContactStretch& s : recording_->contacts()) {
+    contacts.push_back({{"character", cast[static_cast<std::size_t>(s.character)].id}, {"from", s.from}, {"to", s.to}, {"feet", s.feet}});
+  }
+  sink_.message(Json{{"event", "summary"}, {"characters", std::move(characters)}, {"contacts", std::move(contacts)}}.dump());
+  report_measures();
+}
+
+void Interpreter::resend_measures() {
+  measures_sent_ = 0;
+  measures_cut_ = true;
+  summary_due_ = true;
+}
+
+/// Sends the event `measures` with the frames that the pages do not have; if there are too many for one event, the rest is due later.
+void Interpreter::report_measures() {
+  const std::size_t frames = recording_->frame_count();
+  if (!measures_cut_ && measures_sent_ == frames) return;
+  const std::vector<CastMember>& cast = simulation_->cast();
+  const std::size_t end =
+      std::min(frames, measures_sent_ + std::max<std::size_t>(1, max_measures / (4 * std::max<std::size_t>(1, cast.size()))));
+  Json characters = Json::array();
+  for (std::size_t c = 0; c < cast.size(); ++c) {
+    Json tracking = Json::array(), assist = Json::array(), slip = Json::array(), depth = Json::array(), fell = nullptr;
+    for (std::size_t n = measures_sent_; n < end; ++n) {
+      const MomentMeasures& m = recording_->measures(n)[c];
+      tracking.push_back(rounded(m.tracking_deg));
+      assist.push_back(rounded(m.assist_bw));
+      slip.push_back(rounded(m.slip_cm));
+      depth.push_back(rounded(m.depth_mm));
+      if (m.fell && fell.is_null()) fell = n;
+    }
+    characters.push_back({{"id", cast[c].id},
+                          {"tracking_deg", std::move(tracking)},
+                          {"assist_bw", std::move(assist)},
+                          {"slip_cm", std::move(slip)},
+                          {"depth_mm", std::move(depth)},
+                          {"fell", std::move(fell)}});
+  }
+  const Json event{{"event", "measures"}, {"rate", recording_->rate()}, {"from", measures_sent_}, {"characters", std::move(characters)}};
+  sink_.message(event.dump());
+  measures_sent_ = end;
+  measures_cut_ = false;
+  if (end < frames) summary_due_ = true;
+}
+
+}  // namespace ugoki::studio
