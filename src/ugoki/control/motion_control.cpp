@@ -115,7 +115,7 @@ double MotionControl::calc_departure(const ControlInput& in, const Vec3& ahead, 
   const Joint& root = mechanism_->link(0).joint;
   const Mat3 R = root.X_PJ.R * joint_pose(root, in.q.data()).R, R_ref = root.X_PJ.R * joint_pose(root, in.q_ref.data()).R;
   const double tilt = acos(std::clamp(dot(R.row(2), R_ref.row(2)), -1.0, 1.0));
-  const double distance = std::hypot(ahead.x - shift[0], ahead.y - shift[1]);
+  const double distance = norm(Vec3{ahead.x - shift[0], ahead.y - shift[1], 0});
   return std::max({-ahead.z / (options_.fall_depth * lever_), distance / (options_.fall_depth * lever_), tilt / options_.release_tilt});
 }
 

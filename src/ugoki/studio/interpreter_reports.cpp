@@ -1,8 +1,8 @@
 // Members of Interpreter that report transport, devices, summary and measures to the pages.
 
-#include <cstdio>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "ugoki/circuit/devices.h"
