@@ -1,5 +1,6 @@
 #pragma once
-// The table that ./bench circuit, collision, dynamics, motion, step and wasm print: rows of our time and a peer's time, measured in the same run.
+// The table that ./bench circuit, collision, dynamics, motion, step and wasm print: rows of our time and a peer's time, measured in the
+// same run.
 //
 // A file of rows defines a function that measures and calls Table::add(), and registers the function with a static RowRegistration. The
 // function first compares the results of both sides and throws if they differ; the program then fails.
