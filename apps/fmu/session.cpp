@@ -251,8 +251,8 @@ std::uint64_t Session::ticks_until(double time, bool& due) const {
   return static_cast<std::uint64_t>(std::max(0.0, due ? whole : std::ceil(ticks)));
 }
 
-/// Stores the outputs at the time `now_` in `seen_`. If there is a tick at `now_`, computes this tick ahead. Refreshes the outputs of LSIs
-/// that run on demand.
+/// Stores the outputs at the time `now_` in `seen_`. If there is a tick at `now_`, computes it now, before the master advances the time.
+/// Refreshes the outputs of LSIs that run on demand.
 std::string Session::update_outputs() {
   if (fresh_) return {};
   if (!running_)

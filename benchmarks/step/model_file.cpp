@@ -129,8 +129,8 @@ void finish_mjcf(StepSource& source, const std::string& reduced) {
   pugi::xml_node size = root.append_child("size");
   size.append_attribute("nconmax") = source.max_contacts;
   size.append_attribute("njmax") = 4 * source.max_contacts + 500;
-  // Excludes pairs of links that our scene does not test completely. By link, because links fixed to each other are separate bodies in the
-  // file.
+  // Excludes each pair of links of which our scene leaves out at least one pair of shapes. Pairs of links are listed, because links that
+  // are fixed to each other are separate bodies in the file.
   const Mechanism& m = *source.mechanisms.at(0);
   const collision::Scene scene({source.mechanisms.at(0)});
   std::set<std::pair<int, int>> touching;

@@ -37,8 +37,9 @@ struct StepModel {
 /// Whether the shared data has this file.
 bool have_model(const std::string& path);
 
-/// Reads an MJCF or SDF file. All shapes get the friction; links of the world and those named in `without` are left out with all that is
-/// attached to them; revolute loops become ball loops. Throws std::runtime_error where the file cannot be read.
+/// Reads an MJCF or SDF file. Every shape gets the coefficient `friction`. The static shapes of the world are left out, and the links
+/// named in `without` with all links attached to them. Revolute loops become ball loops. Throws std::runtime_error if the file cannot be
+/// read.
 StepModel read_model(const std::string& path, double friction, const std::vector<std::string>& without = {});
 
 /// The text of an MJCF file for MuJoCo, reduced to bodies, joints and geoms with their defaults: pose, shapes and solver parameters remain

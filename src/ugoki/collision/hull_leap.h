@@ -124,7 +124,8 @@ class HullLeap : public HullSearch {
                   {pick(b.low.x, b.high.x, at_b), pick(b.low.y, b.high.y, at_b), pick(b.low.z, b.high.z, at_b)});
   }
 
-  /// Vertices of a and b that form the fan's feature closest to the origin: at its corner [0], and at the ends of its two edges [1], [2].
+  /// Vertices of a and b at the face of the fan (lane_fan.h) that is closest to the origin: [0] at its corner, [1] and [2] at the ends of
+  /// its two edges.
   struct Corners {
     std::int32_t a[3], b[3];
     bool parallelogram;  ///< true: the feature is the face spanned by an edge of a and an edge of b

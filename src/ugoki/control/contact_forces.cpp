@@ -78,7 +78,7 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
     const Vec6 yv = to_vec(y);
     for (const Vec6& column : columns_) {
       const double b = dot(column, yv);
-      // First iteration (y = 0): assume that every edge bears load whose wrench has a positive product with the wanted one.
+      // First iteration (y = 0): assume that an edge bears load if its wrench has a positive dot product with the wanted one.
       if (iterations_ > 0 ? b <= 0 : dot(column, to_vec(w)) <= 0) continue;
       const Array6 g = to_array(column);
       for (std::size_t i = 0; i < 6; ++i) {

@@ -17,7 +17,7 @@ namespace ugoki::dynamics {
 void expand_acceleration(const ClosedWorkspace& cw, std::span<const double> vdot_G, std::span<double> vdot);
 
 /// Forces of the driven joints that produce `vdot`: tau_G = W^T tau_open, paper eq. (3), and tau_G = S^T tau_driven, eq. (4).
-/// W is H, and S consists of the rows of H of the driven DOFs.
+/// H = dv/dv_G maps the velocities of the closed system to those of all joints. W is H; S consists of the rows of H of the driven DOFs.
 /// `vdot` must be compatible with the loops. With more drives than DOFs, returns the solution with the minimum sum of weight * tau^2.
 /// @param applied [nv] joint forces that act in addition to the drives (springs, dampers); empty: none
 /// @param driven velocity indices of the DOFs with a drive @param weights [driven] cost of each drive's force; empty: all 1
