@@ -359,8 +359,9 @@ export const editor_journeys = [
       await page.screenshot({ path: `${pictures}open.png` });
       await page.locator('#open-path').fill('nothing there');
       await page.keyboard.press('Enter');
-      await page.locator('.toast.error').waitFor();
-      await page.getByRole('button', { name: 'Dismiss' }).first().click();
+      const missing = page.locator('.toast.error', { hasText: 'nothing there' });
+      await missing.getByRole('button', { name: 'Dismiss' }).click();
+      await missing.waitFor({ state: 'detached' });
       const recent = await hook(page, 'recent()');
       for (const id of ids) assert.ok(recent.some((path) => path.endsWith(`/${id === 'empty' ? 'untitled' : id}.ugoki`)), `${id} is a recent project: ${recent}`);
       await page.locator('.open-project li button', { hasText: `/${first}` }).click();

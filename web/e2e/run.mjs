@@ -1,7 +1,7 @@
 // npm run e2e [-- words]: runs the first journey and those whose names contain the words; prints one line for each and the counts.
 // A journey that fails runs a second time in the restored studio, because a busy machine can miss a time limit; its line names the first failure.
 // Environment: UGOKI_BIN, UGOKI_CHROMIUM, UGOKI_MOCK=1.
-import { launch, ready } from './browser.mjs';
+import { launch } from './browser.mjs';
 import { journeys as all } from './journeys.mjs';
 import { available, program, start_service } from './service.mjs';
 
@@ -21,7 +21,9 @@ const document_of = (page) => page.evaluate('JSON.stringify(window.ugoki?.docume
 async function recover(page, before) {
   await page.unrouteAll({ behavior: 'ignoreErrors' });
   await page.reload();
-  await ready(page);
+  // not ready(): while the circuit fills the window, no picture is drawn
+  await page.waitForFunction(() => window.ugoki?.connected, undefined, { timeout: 60000 });
+  await page.waitForTimeout(1000);
   await page.getByRole('radio', { name: 'Edit' }).click();
   for (let undone = 0; undone < 50 && (await document_of(page)) !== before; undone++) {
     if (!(await page.evaluate('window.ugoki.undo().can_undo'))) break;
@@ -44,7 +46,9 @@ async function attempt(journey, context, before) {
     await page.screenshot({ path: new URL(`./out/failed-${passed + failed + 1}.png`, import.meta.url).pathname }).catch(() => undefined);
     if (service.ended()) throw new Error(`the service ended during the journey '${journey.name}': ${service.output().slice(-1500)}`, { cause: error });
     if (!before) throw error;
-    await recover(page, before);
+    await recover(page, before).catch((second) => {
+      throw new Error(`${error.message ?? error}\nand the studio was not restored: ${second.message ?? second}`);
+    });
     seen.errors.length = errors;
     Object.assign(context.memory, memory);
     await journey.run(context).catch((second) => {
