@@ -1,4 +1,4 @@
-// Starts the system's Chromium for journeys and screenshots, with WebGL rendered in software.
+// Starts the system's Chromium for journeys and screenshots, with WebGL rendered in software; waits for states of the page.
 import { chromium } from 'playwright-core';
 
 /** @param renderer renderer of WebGL: 'swiftshader', or 'gl-egl' (Mesa), which `ugoki export` uses */
@@ -16,4 +16,21 @@ export const launch = (renderer = 'swiftshader') =>
 /** Waits until the page is connected and has drawn a received frame. */
 export async function ready(page, timeout = 60000) {
   await page.waitForFunction(() => window.ugoki?.connected && window.ugoki.pictures > 1 && window.ugoki.frames_received > 0, undefined, { timeout });
+}
+
+/** Calls `ask` until its result is truthy, and returns this result. Throws an error after `timeout` ms. */
+export async function until(page, ask, description, timeout = 60000) {
+  const end = Date.now() + timeout;
+  for (;;) {
+    const value = await ask();
+    if (value) return value;
+    if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain for: ${description}`);
+    await page.waitForTimeout(60);
+  }
+}
+export const document_of = (page) => page.evaluate(() => window.ugoki.document());
+/** Switches to 'Edit' or 'Simulate'. */
+export async function set_mode(page, name) {
+  await page.getByRole('radio', { name }).click();
+  await until(page, () => page.evaluate((mode) => window.ugoki.transport().mode === mode, name.toLowerCase()), name);
 }

@@ -2,29 +2,15 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
+import { document_of, set_mode, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no simulation and one project';
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
 
-/** Calls `ask` until its result is truthy, and returns this result. Throws an error after `timeout` ms. */
-async function until(page, ask, description, timeout = 60000) {
-  const end = Date.now() + timeout;
-  for (;;) {
-    const value = await ask();
-    if (value) return value;
-    if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain for: ${description}`);
-    await page.waitForTimeout(60);
-  }
-}
 const hook = (page, expression) => page.evaluate(`window.ugoki.${expression}`);
-const document_of = (page) => hook(page, 'document()');
 const document_becomes = (page, fits, description) => until(page, async () => fits(await document_of(page)), description);
 const focus_scenario = (page) => page.locator('.ruler').focus();
-const set_mode = async (page, name) => {
-  await page.getByRole('radio', { name }).click();
-  await until(page, () => page.evaluate((m) => window.ugoki.transport().mode === m, name.toLowerCase()), name);
-};
 const undo = async (page, label) => {
   await until(page, async () => (await hook(page, 'undo()')).undo_label === label, `the undo of “${label}”`);
   await focus_scenario(page);

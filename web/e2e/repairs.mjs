@@ -1,23 +1,12 @@
 // Journeys (end-to-end tests) for faults that users reported. Each journey failed before the repair of its fault.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { ready } from './browser.mjs';
+import { document_of, ready, set_mode, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no library and no simulation';
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
 
-/** Calls `ask` until its result is truthy, and returns this result. Throws an error after `timeout` ms. */
-async function until(page, ask, description, timeout = 30000) {
-  const end = Date.now() + timeout;
-  for (;;) {
-    const value = await ask();
-    if (value) return value;
-    if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain for: ${description}`);
-    await page.waitForTimeout(60);
-  }
-}
-const document_of = (page) => page.evaluate(() => window.ugoki.document());
 const undo_to = async (page, wanted) => {
   await page.locator('.scenario').click({ position: { x: 400, y: 6 } });
   await until(page, async () => {
@@ -27,10 +16,6 @@ const undo_to = async (page, wanted) => {
     await page.waitForTimeout(250);
     return false;
   }, 'the document as before');
-};
-const set_mode = async (page, name) => {
-  await page.getByRole('radio', { name }).click();
-  await until(page, () => page.evaluate((m) => window.ugoki.transport().mode === m, name.toLowerCase()), name);
 };
 
 export const repair_journeys = [
