@@ -92,6 +92,9 @@ const journeys = [
     name: 'circuit: moving an LSI is one command that can be undone and redone',
     async run({ page }) {
       const before = (await state(page)).lsis.find((l) => l.id === 'gain').at;
+      await page.locator('.circuit[role=application]').focus();
+      await page.keyboard.press('Control+k'); // the palette takes the focus while Ctrl is down; the drag below must snap all the same
+      await page.keyboard.press('Escape');
       const from = await head(page, 'gain');
       await drag(page, from, { x: from.x + 60, y: from.y + 50 });
       const after = await until(page, (c) => String(c.lsis.find((l) => l.id === 'gain').at) !== String(before), 'the new position');

@@ -12,11 +12,12 @@ let passed = 0;
 let failed = 0;
 let skipped = 0;
 
-const document_of = (page) => page.evaluate('JSON.stringify(window.ugoki?.document?.() ?? null)');
+/** JSON text of the scenario and of the name of the last command: edits of a circuit do not change the scenario. */
+const document_of = (page) => page.evaluate('JSON.stringify([window.ugoki?.document?.() ?? null, window.ugoki?.undo?.().undo_label ?? null])');
 
 /**
- * Restores the studio after a failed journey: loads the page again and undoes commands until the document equals `before`, the JSON text of the
- * document at the beginning of the journey. Otherwise an open dialog or a changed document would let the following journeys fail too.
+ * Restores the studio after a failed journey: loads the page again and undoes commands until document_of() equals `before`, its value at the
+ * beginning of the journey. Otherwise an open dialog or a changed document would let the following journeys fail too.
  */
 async function recover(page, before) {
   await page.unrouteAll({ behavior: 'ignoreErrors' });

@@ -105,6 +105,7 @@ function Canvas(): ReactElement {
     if (target.closest('.menu, .circuit-search, .stop-form')) return; // menu, search and breakpoint form handle presses themselves
     circuit.close_stop();
     pressing.current = true;
+    set_snapping(!event.ctrlKey); // the release of Ctrl is not seen here if a shortcut has moved the focus
     circuit.forget_refusal();
     if (!is_typing(target)) panel.current?.focus({ preventScroll: true });
     if (menu) set_menu(null);
