@@ -14,10 +14,8 @@ using namespace robot_formats;
 constexpr std::size_t max_asset = std::size_t{1} << 28;
 
 Result<std::string> read_asset(const std::string& path) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored)) return fail(ErrorCode::io, path, "The file does not exist.");
   note_read(path);
-  return files::read_file(path, max_asset);
+  return files::read_regular_file(path, max_asset);
 }
 
 /// Path of robot.yaml in the folder of robot.urdf, if it exists and lists loops.

@@ -160,7 +160,7 @@ Result<intake::Intake> take_in_mapped(const std::string& path, const SourceOptio
                     "Copy it to the folder of the file.");
       const std::string buffer = (fs::path(path).parent_path() / relative).string();
       note_read(buffer);
-      Result<std::string> text = files::read_file(buffer);
+      Result<std::string> text = files::read_regular_file(buffer);
       if (!text) return fail(std::move(text.error()));
       const auto* p = reinterpret_cast<const std::byte*>(text->data());
       return std::vector<std::byte>(p, p + text->size());

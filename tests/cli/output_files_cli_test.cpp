@@ -172,6 +172,8 @@ TEST_F(OutputFilesCliTest, DevicesAreNotReadAndPipesStay) {
   fails({"import", path("walk.bvh")}, "device");
   const std::string pipe = path("pipe.csv"), bvh = walk("real.bvh");
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  write("scene.gltf", R"({"asset": {"version": "2.0"}, "buffers": [{"uri": "pipe.csv", "byteLength": 100}], "nodes": [{"name": "a"}]})");
+  fails({"info", path("scene.gltf")}, "pipe");  // a pipe that nobody writes into would be waited for without end
   std::string got;
   std::thread reader([&] { got = read(pipe); });
   const int writer = ::open(pipe.c_str(), O_WRONLY | O_CLOEXEC);  // lets the reader thread end even if the program replaces the pipe

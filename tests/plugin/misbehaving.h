@@ -54,6 +54,9 @@ inline constexpr std::array misbehaving = {
     Misbehaving{"kills its parent", "kill(getppid(), SIGKILL);", "tried to send a signal to the process of Ugoki"},
     Misbehaving{"ends its parent", "kill(getppid(), SIGTERM);", "tried to send a signal to the process of Ugoki"},
     Misbehaving{"signals its process group", "kill(0, SIGUSR1);", "tried to send a signal to the process of Ugoki"},
+    Misbehaving{"signals its parent by a file",
+                "syscall(424, syscall(434, getppid(), 0), SIGTERM, 0, 0);",  // pidfd_send_signal, pidfd_open
+                "tried to send a signal to the process of Ugoki"},
     // Hangs.
     Misbehaving{"endless loop", "for (;;) __asm__ volatile(\"\");", "did not return within"},
     Misbehaving{"sleeps", "sleep(1000);", "did not return within"},
@@ -89,7 +92,7 @@ inline constexpr std::array misbehaving = {
     Misbehaving{"throws a number", "throw 42;", "rogue", "", true},
     Misbehaving{"throws where it must not", "cannot();", "aborted", "static void cannot() noexcept { throw 1; }", true},
 };
-static_assert(misbehaving.size() == 46);
+static_assert(misbehaving.size() == 47);
 
 /// Source text of the library "rogue" with the LSI `f`.
 inline std::string rogue_source(const Misbehaving& m) {

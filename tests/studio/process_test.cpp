@@ -159,6 +159,18 @@ TEST_F(ProcessTest, HangingChildIsKilled) {
   EXPECT_NE(::kill(pid, 0), 0);
 }
 
+// A crash that the studio notices only after the time to respond is reported as a crash.
+TEST_F(ProcessTest, SignalOfAnUnansweringChildIsNamed) {
+  start();
+  ASSERT_TRUE(load(R"(,"hang":0.1)")["ok"]);
+  ASSERT_TRUE(ask({{"op", "mode"}, {"mode", "simulate"}})["ok"]);
+  ASSERT_TRUE(process->send(R"({"op":"seek","time":1})"));
+  ASSERT_EQ(::kill(process->pid(), SIGUSR2), 0);
+  process->kill_unanswering();
+  ASSERT_TRUE(listener.wait([&] { return !listener.reason.empty(); }));
+  EXPECT_NE(listener.reason.find("signal 12"), std::string::npos) << listener.reason;
+}
+
 TEST_F(ProcessTest, MissingProgramIsReported) {
   const auto started = InterpreterProcess::start({"/nonexistent/ugoki", {}}, listener.events());
   ASSERT_FALSE(started);
