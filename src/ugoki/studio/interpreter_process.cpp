@@ -175,7 +175,7 @@ Problem InterpreterProcess::wait_for_end() {
   const auto missing = [&](const std::string& how) { return named(plugin::missing_report(guard_.block(), how).problems[0]); };
   if (replaced_) return missing("replaced its process by another program (exec), which was ended");
   if (stopped) return missing("stopped its process (SIGSTOP)");
-  // on a loaded machine a crash can be recorded only after the time to respond is over: the signal says more than the time
+  // on a loaded machine a crash can be recorded only after the time to respond is over: the signal is the cause
   const bool crashed = ended && got == pid_ && WIFSIGNALED(status) && WTERMSIG(status) != SIGKILL;
   if (unanswering_ && !crashed) return missing("stopped responding and was ended");
   if (got == pid_ && WIFSIGNALED(status))
