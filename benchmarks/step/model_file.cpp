@@ -72,6 +72,9 @@ StepModel read_model(const std::string& path, double friction, const std::vector
     for (Shape& s : l.shapes) {
       s.friction = friction;
       s.restitution = 0;
+      // all programs get the same pairs, without filters (see peer_mujoco.cpp)
+      s.groups = s.partners = 1;
+      s.smooth = false;
     }
   for (LoopSpec& l : spec.loops)
     if (l.type == LoopType::revolute) l.type = LoopType::ball;

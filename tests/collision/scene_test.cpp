@@ -217,6 +217,53 @@ TEST(Scene, VirtualLinkBelongsToTheBodyOfItsRealLink) {
   EXPECT_EQ(pairs_of(scene), (Names{{"a", "c"}, {"a", "c2"}, {"b", "d"}}));
 }
 
+TEST(Scene, GroupsAndExclusionsPreventPairs) {
+  // groups and partners as MuJoCo's contype and conaffinity: a and b belong to no group that the other collides with, c to both
+  const auto bead = [](std::uint32_t groups, std::uint32_t partners) {
+    Shape s = Shape::sphere(0.1);
+    s.groups = groups;
+    s.partners = partners;
+    return s;
+  };
+  const auto loose = [&](std::vector<std::array<std::string, 2>> exclusions) {
+    MechanismSpec spec{"loose",
+                       {link("a", "", JointType::floating, {}, {bead(2, 2)}), link("b", "", JointType::floating, at(1, 0, 0), {bead(1, 0)}),
+                        link("c", "", JointType::floating, at(2, 0, 0), {bead(4, 3)})}};
+    spec.exclusions = std::move(exclusions);
+    return make(std::move(spec));
+  };
+  EXPECT_EQ(pairs_of(Scene({loose({})})), (Names{{"a", "c"}, {"b", "c"}}));
+  EXPECT_EQ(pairs_of(Scene({loose({{"c", "a"}, {"a", "c"}})})), (Names{{"b", "c"}}));
+
+  // The same rule holds between systems and in the search for impacts; the ground collides with all.
+  for (const bool collide : {false, true}) {
+    const Scene scene({body(bead(2, 2)), body(bead(collide ? 2 : 1, 0))});
+    Posed posed(scene);
+    posed.move(0, at(0, 0, 0.1));
+    posed.move(1, at(0.19, 0, 0.1));
+    EXPECT_EQ(contacts(scene, posed, 0.01).size(), collide ? 3U : 2U);
+  }
+}
+
+TEST(Scene, SmoothShapesHaveNoFrictionWithEachOther) {
+  Shape smooth = Shape::sphere(0.1), rough = smooth;
+  smooth.friction = rough.friction = 0.5;
+  smooth.smooth = true;
+  const Scene scene({body(smooth), body(smooth), body(rough)}, {.friction = 0.5});
+  Posed posed(scene);
+  posed.move(0, at(0, 0, 0.1));
+  posed.move(1, at(0.2, 0, 5));
+  posed.move(2, at(0, 0, 0.3));
+  auto found = contacts(scene, posed, 0.01);
+  ASSERT_EQ(found.size(), 2U);  // with the ground and with the rough ball
+  for (const ContactPoint& c : found) EXPECT_DOUBLE_EQ(c.friction, 0.5);
+  posed.move(2, at(0, 0, 9));
+  posed.move(1, at(0, 0, 0.3));
+  found = contacts(scene, posed, 0.01);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[1].friction, 0);
+}
+
 TEST(Scene, SelfCollisionCanBeSwitchedAtRunTime) {
   Scene scene({character()});
   EXPECT_EQ(scene.systems()[0]->link_count(), 31);

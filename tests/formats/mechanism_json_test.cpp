@@ -44,6 +44,9 @@ MechanismSpec rich() {
     l.shapes[1].friction = some(random);
     l.shapes[2].visible = false;
     l.shapes[2].restitution = 0.3;
+    l.shapes[0].groups = 0x80000002U;
+    l.shapes[1].partners = i == 0 ? 0 : 6;
+    l.shapes[2].smooth = true;
     spec.links.push_back(l);
   }
   LinkSpec hand;
@@ -70,6 +73,7 @@ MechanismSpec rich() {
     l.closed = i % 2 == 0;
     spec.loops.push_back(l);
   }
+  spec.exclusions = {{"link 7", "link 2"}, {"link 0", "link 5"}};
   return spec;
 }
 

@@ -113,6 +113,8 @@ TEST(Combine, JointKeepsMassInertiaLoopsAndShapes) {
     testing::RandomLoops first(seed), second(seed + 50);
     MechanismSpec a_spec = first.m->spec(), b_spec = testing::random_spec(random, 8, keeps_coordinates);
     b_spec.name = "other";
+    a_spec.exclusions = {{"link1", "link4"}};
+    b_spec.exclusions = {{"link2", "link7"}};
     b_spec.links[3].shapes = {Shape::box({0.1, 0.2, 0.3}, {random.rotation(), random.vec(1)})};
     const MechanismPtr a = *Mechanism::make(a_spec), b = *Mechanism::make(b_spec);
     CombineOptions options;
@@ -127,6 +129,10 @@ TEST(Combine, JointKeepsMassInertiaLoopsAndShapes) {
     EXPECT_EQ(m.link_count(), 20);
     EXPECT_NEAR(m.mass(), a->mass() + b->mass(), 1e-9 * m.mass());
     ASSERT_EQ(made->links_b.size(), 8u);
+    ASSERT_EQ(m.exclusions().size(), 2u);
+    for (const auto& [one, other] : {std::pair{"link1", "link4"}, {"other link2", "other link7"}})
+      EXPECT_TRUE(std::ranges::contains(
+          m.exclusions(), std::array{std::min(m.find_link(one), m.find_link(other)), std::max(m.find_link(one), m.find_link(other))}));
     EXPECT_EQ(made->links_b[0], "other link0");  // prefixed, because both mechanisms have a link0
 
     // In the neutral position a's links are unchanged, b's have the requested pose, and the total inertia is the sum.

@@ -21,13 +21,17 @@ TEST(Cut, PartAndRestAddUpToTheMechanism) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
     RandomSource random(seed);
-    const MechanismPtr m = *Mechanism::make(testing::without_armature(testing::random_spec(random, 12)));
+    MechanismSpec spec = testing::without_armature(testing::random_spec(random, 12));
+    for (int i = 1; i < 12; ++i) spec.exclusions.push_back({"link0", "link" + std::to_string(i)});
+    const MechanismPtr m = *Mechanism::make(std::move(spec));
     const std::string at = "link" + std::to_string(1 + random.below(11));
     const auto rest = cut(*m, at), part = cut(*m, at, {.keep = Keep::part});
     ASSERT_TRUE(rest.has_value()) << rest.error().text();
     ASSERT_TRUE(part.has_value()) << part.error().text();
     EXPECT_EQ(rest->mechanism->link_count() + part->mechanism->link_count(), 12);
     EXPECT_EQ(part->mechanism->link(0).name, at);
+    EXPECT_EQ(static_cast<int>(rest->mechanism->exclusions().size()), rest->mechanism->link_count() - 1);  // all with link0
+    EXPECT_TRUE(part->mechanism->exclusions().empty());
     EXPECT_EQ(part->mechanism->link(0).joint.type, JointType::floating);
     const Inertia sum = testing::whole_inertia(*rest->mechanism, rest->mechanism->neutral()) +
                         testing::whole_inertia(*part->mechanism, part->mechanism->neutral());

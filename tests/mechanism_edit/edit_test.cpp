@@ -19,6 +19,7 @@ MechanismPtr arm() {
   lower.joint.X_PJ.p = {0, 0, -0.3};
   spec.links = {upper, lower};
   spec.loops = {{.name = "stay", .type = LoopType::ball, .link_a = "", .link_b = "lower"}};
+  spec.exclusions = {{"lower", "upper:arm"}};
   return *Mechanism::make(spec);
 }
 
@@ -47,6 +48,7 @@ TEST(Edit, SetsEveryField) {
   EXPECT_EQ(e->mechanism->link(0).joint.type, JointType::universal);
   EXPECT_EQ(e->mechanism->link(0).label, "upper arm left");
   EXPECT_EQ(e->mechanism->loops()[0].link_b, e->mechanism->find_link("forearm"));
+  EXPECT_EQ(e->mechanism->exclusions().size(), 1u);
   const auto back = edit_with(*e->mechanism, {"forearm:joint.upper=none", "forearm:joint.effort=none"});
   ASSERT_TRUE(back.has_value());
   EXPECT_EQ(back->mechanism->link(1).joint.dofs[0].upper, INFINITY);

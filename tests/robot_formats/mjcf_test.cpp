@@ -356,6 +356,29 @@ TEST(Mjcf, ShapesAndTheWorld) {
   EXPECT_TRUE(has_note(m, "ground plane z = 0 is left out"));
 }
 
+TEST(Mjcf, CollisionFilters) {
+  const RobotModel m =
+      read(world(swing("<geom size='0.1' contype='2' conaffinity='-1' condim='1'/>", "a") +
+                 swing("<geom size='0.1' contype='4' conaffinity='8' condim='6'/>", "b") + swing("<geom size='0.1'/>", "c")) +
+           "<contact><exclude body1='c' body2='a'/><pair geom1='x' geom2='y'/></contact>");
+  const Shape &a = link(m, "a").shapes[0], &b = link(m, "b").shapes[0], &c = link(m, "c").shapes[0];
+  EXPECT_EQ(a.groups, 2U);
+  EXPECT_EQ(a.partners, 0xffffffffU);
+  EXPECT_TRUE(a.smooth);
+  EXPECT_FALSE(b.smooth);
+  EXPECT_TRUE(can_collide(a, b));
+  EXPECT_FALSE(can_collide(b, c));
+  ASSERT_EQ(m.mechanism->exclusions().size(), 1U);
+  EXPECT_EQ(m.mechanism->exclusions()[0], (std::array{m.mechanism->find_link("a"), m.mechanism->find_link("c")}));
+  EXPECT_TRUE(has_note(m, "<pair>"));
+  EXPECT_TRUE(has_note(m, "The ground collides with this shape"));
+  EXPECT_TRUE(has_note(m, "condim 4 and 6"));
+  const auto unknown = read_mjcf(
+      "<mujoco>" + world(swing("<geom size='0.1'/>", "a")) + "<contact><exclude body1='a' body2='z'/></contact></mujoco>", "m.xml");
+  ASSERT_FALSE(unknown);
+  EXPECT_NE(unknown.error().text().find("no body is named 'z'"), std::string::npos) << unknown.error().text();
+}
+
 TEST(Mjcf, BaseOption) {
   const std::string text = world("<body name='free'><freejoint/><geom size='0.1'/></body><body name='still'><geom size='0.1'/>" +
                                  swing("<geom size='0.1' pos='1 0 0'/>") + "</body><body name='box'><geom size='0.1'/></body>");
@@ -510,16 +533,15 @@ TEST(MjcfMesh, MissingMeshFiles) {
 }
 
 TEST(Mjcf, NotesListWhatIsLeftOut) {
-  const RobotModel m =
-      read("<option gravity='0 0 -981' timestep='0.001' density='2'><flag gravity='disable'/></option><extension/>" +
-           world("<body name='b' gravcomp='1'><joint name='j'/><geom type='ellipsoid' size='1 2 "
-                 "3'/><flexcomp/><plugin/></body>"
-                 "<body mocap='true'><geom size='0.1' contype='3'/></body>") +
-           "<tendon><spatial/><fixed/></tendon><contact><exclude/></contact><actuator><muscle tendon='t'/></actuator><deformable/>"
-           "<keyframe><key qpos='1 2 3 4'/></keyframe>");
-  for (const char* part : {"specifies gravity: 0 0 -981", "time step", "density, viscosity", "switches gravity off", "<extension>",
-                           "gravcomp", "<flexcomp>", "A plugin", "mocap", "contype", "A spatial tendon", "A fixed tendon", "<exclude>",
-                           "does not act on a joint", "<deformable>", "Keyframes are left out"})
+  const RobotModel m = read("<option gravity='0 0 -981' timestep='0.001' density='2'><flag gravity='disable'/></option><extension/>" +
+                            world("<body name='b' gravcomp='1'><joint name='j'/><geom type='ellipsoid' size='1 2 "
+                                  "3'/><flexcomp/><plugin/></body>"
+                                  "<body mocap='true'><geom size='0.1' contype='3'/></body>") +
+                            "<tendon><spatial/><fixed/></tendon><actuator><muscle tendon='t'/></actuator><deformable/>"
+                            "<keyframe><key qpos='1 2 3 4'/></keyframe>");
+  for (const char* part :
+       {"specifies gravity: 0 0 -981", "time step", "density, viscosity", "switches gravity off", "<extension>", "gravcomp", "<flexcomp>",
+        "A plugin", "mocap", "A spatial tendon", "A fixed tendon", "does not act on a joint", "<deformable>", "Keyframes are left out"})
     EXPECT_TRUE(has_note(m, part)) << part;
 }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <random>
 #include <ranges>
+#include <set>
 #include <sstream>
 
 #include "named_peer.h"
@@ -82,7 +83,14 @@ double difference(const Inertia& a, const Inertia& b) {
 }
 
 /// Properties that expect_equal() compares in addition to the common ones.
-enum Compared { common = 0, springs = 1, friction_of_surfaces = 2 };
+enum Compared { common = 0, springs = 1, friction_of_surfaces = 2, filters = 4 };
+
+/// Names of the links of each exclusion, in alphabetical order.
+std::set<std::pair<std::string, std::string>> exclusions_of(const Mechanism& m) {
+  std::set<std::pair<std::string, std::string>> out;
+  for (const auto& [a, b] : m.exclusions()) out.insert(std::minmax(m.link(a).name, m.link(b).name));
+  return out;
+}
 
 void expect_equal(const Mechanism& a, const Mechanism& b, int compared) {
   for (const Link& l : a.links()) {
@@ -110,8 +118,13 @@ void expect_equal(const Mechanism& a, const Mechanism& b, int compared) {
       EXPECT_EQ(s.collides, t.collides);
       if ((compared & friction_of_surfaces) != 0 && s.collides) EXPECT_EQ(s.friction, t.friction);
       if (s.geometry) EXPECT_NEAR(s.geometry->solid.mass, t.geometry->solid.mass, 1e-12);
+      if ((compared & filters) == 0 || !s.collides) continue;
+      EXPECT_EQ(s.groups, t.groups);
+      EXPECT_EQ(s.partners, t.partners);
+      EXPECT_EQ(s.smooth, t.smooth);
     }
   }
+  if ((compared & filters) != 0) EXPECT_EQ(exclusions_of(a), exclusions_of(b));
 }
 
 RobotOptions read_options(const RobotText& text) {
@@ -268,13 +281,17 @@ TEST(MjcfWriter, ReadsBackEqual) {
     if (spec.links[4].joint.type == JointType::fixed) spec.links[4].joint.dofs[0] = {};
     spec.links[5].shapes.push_back(Shape::ellipsoid({0.1, 0.2, 0.3}, spec.links[5].shapes[0].X_BS));
     spec.links[5].shapes[0].friction = 0.3;
+    spec.links[5].shapes[0].groups = 0x80000001U;
+    spec.links[5].shapes[1].partners = 6;
+    spec.links[5].shapes[1].smooth = true;
+    spec.exclusions = {{"link 1", "link 8"}, {"link 7", "link 3"}};
     const MechanismPtr m = made(spec);
     const RobotText text = write_mjcf(*m);
     const auto back = read_mjcf(text.text, "robot.xml", read_options(text));
     ASSERT_TRUE(back.has_value()) << back.error().text() << text.text;
     EXPECT_EQ(back->mechanism->name(), m->name());
     EXPECT_EQ(back->mechanism->link_count(), m->link_count());
-    expect_equal(*m, *back->mechanism, springs | friction_of_surfaces);
+    expect_equal(*m, *back->mechanism, springs | friction_of_surfaces | filters);
   }
 }
 

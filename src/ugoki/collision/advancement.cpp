@@ -217,7 +217,8 @@ void ImpactSearch::add_candidate(int a, int b) {
   } else {
     const Sweep& wb = sweeps_[static_cast<std::size_t>(b)];
     if (wa.travel + wb.travel < min_travel_) return;
-    if (!sa.movable && !scene_.shapes()[static_cast<std::size_t>(b)].movable) return;
+    const SceneShape& sb = scene_.shapes()[static_cast<std::size_t>(b)];
+    if ((!sa.movable && !sb.movable) || !can_collide(sa.shape, sb.shape)) return;
     const Vec3 gap = wa.centre - wb.centre;
     const double reach = wa.radius + wb.radius + options_.tolerance;
     if (dot(gap, gap) > reach * reach) return;
@@ -272,7 +273,7 @@ SceneImpact ImpactSearch::make_impact(const Candidate& c, const PairDistance& d,
     const SceneShape& b = scene_.shapes()[static_cast<std::size_t>(c.b)];
     out.contact.system_b = b.system;
     out.contact.link_b = b.link;
-    out.contact.friction = std::sqrt(a.shape.friction * b.shape.friction);
+    out.contact.friction = pair_friction(a.shape, b.shape);
     out.contact.restitution = std::max(a.shape.restitution, b.shape.restitution);
   }
   return out;

@@ -110,6 +110,7 @@ struct Search {
   /// Contacts of shapes i and j.
   void pair(std::size_t i, std::size_t j) {
     const SceneShape &a = scene.shapes()[i], &b = scene.shapes()[j];
+    if (!can_collide(a.shape, b.shape)) return;
     if (is_simple(a.shape.type) && is_simple(b.shape.type)) {
       find_manifold(a.shape, work.poses[i], b.shape, work.poses[j], margin, manifold);
     } else {
@@ -117,7 +118,7 @@ struct Search {
       find_manifold(a, work.poses[i], b, work.poses[j], margin, cache, work.manifold, manifold);
     }
     if (manifold.count == 0) return;
-    add(a, i, &b, j, std::sqrt(a.shape.friction * b.shape.friction), std::max(a.shape.restitution, b.shape.restitution));
+    add(a, i, &b, j, pair_friction(a.shape, b.shape), std::max(a.shape.restitution, b.shape.restitution));
   }
 
   /// Computes the poses and bounding spheres of all shapes, and the extents of all systems.

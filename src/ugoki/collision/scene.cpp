@@ -1,6 +1,7 @@
 #include "ugoki/collision/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "ugoki/base/check.h"
@@ -91,7 +92,8 @@ Scene::Scene(std::vector<MechanismPtr> systems, const Ground& ground, const Scen
     for (std::size_t i = static_cast<std::size_t>(first_shape_.back()); i < shapes_.size(); ++i) {
       for (std::size_t j = i + 1; j < shapes_.size(); ++j) {
         const SceneShape &a = shapes_[i], &b = shapes_[j];
-        if (bodies.adjacent(a.link, b.link)) continue;
+        if (bodies.adjacent(a.link, b.link) || !can_collide(a.shape, b.shape)) continue;
+        if (std::ranges::binary_search(m.exclusions(), std::array{a.link, b.link})) continue;  // a.link <= b.link
         const double d = distance(a, X_WB[static_cast<std::size_t>(a.link)], b, X_WB[static_cast<std::size_t>(b.link)]);
         if (d > 1e-9) pairs.push_back({static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)});
       }

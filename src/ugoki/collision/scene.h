@@ -41,6 +41,7 @@ class Scene {
   /// true:
   ///   - their links are the same body (welded by fixed joints, or a virtual link and its real link);
   ///   - a joint or a loop joint connects their bodies;
+  ///   - their groups do not collide (can_collide()), or Mechanism::exclusions() contains their links;
   ///   - their joints are attached to the same body at the same point (to 1e-6 m);
   ///   - the shapes overlap or touch (distance <= 1e-9 m) in the neutral position.
   /// Shapes that are not movable collide neither with the ground nor with each other. O(shapes^2) for each mechanism.

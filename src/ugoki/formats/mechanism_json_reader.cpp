@@ -147,6 +147,16 @@ Ptr read_surface(Fields& f, std::string_view key, const char* table_name, const 
   return nullptr;
 }
 
+/// Reads 32 bits, written as an integer.
+void read_bits(Fields& f, const char* name, std::uint32_t& out) {
+  double value = out;
+  f.number(name, value);
+  if (value >= 0 && value <= 4294967295.0 && value == std::floor(value))
+    out = static_cast<std::uint32_t>(value);
+  else
+    f.report(ErrorCode::range, f.path(name), "The value is not an integer from 0 to 4294967295.", "Write the sum of the groups' bits.");
+}
+
 void read_shape(Fields& f, const SurfaceTables& surfaces, Shape& out) {
   read_type(f, out.type, shape_type_named, "shape", "sphere, capsule, box, cylinder, ellipsoid, mesh, height_field");
   f.number("radius", out.radius);
@@ -158,6 +168,9 @@ void read_shape(Fields& f, const SurfaceTables& surfaces, Shape& out) {
   f.number("friction", out.friction);
   f.number("restitution", out.restitution);
   f.boolean("collides", out.collides);
+  read_bits(f, "groups", out.groups);
+  read_bits(f, "partners", out.partners);
+  f.boolean("smooth", out.smooth);
   f.boolean("visible", out.visible);
 }
 
@@ -214,6 +227,11 @@ MechanismSpec read_document(Fields& f) {
   const SurfaceTables surfaces = read_surfaces(f);
   read_list(f, "links", max_entries, [&](Fields& g, std::size_t) { read_link(g, surfaces, spec.links.emplace_back()); });
   read_list(f, "loops", max_entries, [&](Fields& g, std::size_t) { read_loop(g, spec.loops.emplace_back()); });
+  read_list(f, "exclusions", max_entries, [&](Fields& g, std::size_t) {
+    auto& [a, b] = spec.exclusions.emplace_back();
+    g.text("a", a);
+    g.text("b", b);
+  });
   f.refuse_others();
   return spec;
 }

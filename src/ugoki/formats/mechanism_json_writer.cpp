@@ -124,6 +124,9 @@ std::string shape_text(const Shape& s) {
   m.add_unless("friction", s.friction, standard.friction);
   m.add_unless("restitution", s.restitution, standard.restitution);
   m.add_unless("collides", s.collides, standard.collides);
+  if (s.groups != standard.groups) m.add("groups", std::to_string(s.groups));
+  if (s.partners != standard.partners) m.add("partners", std::to_string(s.partners));
+  m.add_unless("smooth", s.smooth, standard.smooth);
   m.add_unless("visible", s.visible, standard.visible);
   return m.object();
 }
@@ -189,6 +192,18 @@ std::string write_mechanism(const Mechanism& mechanism) {
     first = true;
     for (const LoopSpec& l : spec.loops) {
       out += (first ? "\n" : ",\n") + loop_text(l);
+      first = false;
+    }
+    out += "\n  ]";
+  }
+  if (!spec.exclusions.empty()) {
+    out += ",\n  \"exclusions\": [";
+    first = true;
+    for (const auto& [a, b] : spec.exclusions) {
+      Members m;
+      m.add("a", text_of(a));
+      m.add("b", text_of(b));
+      out += (first ? "\n    " : ",\n    ") + m.object();
       first = false;
     }
     out += "\n  ]";

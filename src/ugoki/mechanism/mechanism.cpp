@@ -203,6 +203,13 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
                  "Rename one of them. The loop of a virtual link has the link's name.");
     check_loop(l, spec, index_of, errors);
   }
+  for (const auto& [a, b] : spec.exclusions) {
+    const std::string location = mechanism_location + ", exclusion";
+    for (const std::string& name : {a, b})
+      if (!index_of.contains(name))
+        errors.add(ErrorCode::unknown, location, "The mechanism has no link '" + name + "'.", "Name two of its links.");
+    if (a == b) errors.add(ErrorCode::structure, location, "Both links are '" + a + "'.", "Name two different links.");
+  }
   if (!errors.empty()) return fail(std::move(errors));
 
   // Order the links: parents before children, otherwise in the order given.
@@ -292,6 +299,13 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
                            .X_AJ = l.X_RV,
                            .of_virtual_link = true});
 
+  for (const auto& [a, b] : spec.exclusions) {
+    const int first = link_named(a), second = link_named(b);
+    m->exclusions_.push_back({std::min(first, second), std::max(first, second)});
+  }
+  std::ranges::sort(m->exclusions_);
+  m->exclusions_.erase(std::ranges::unique(m->exclusions_).begin(), m->exclusions_.end());
+
   // Parent DOFs (Featherstone's lambda) and the link of each DOF.
   std::vector<int> last_dof(n, -1);
   for (std::size_t i = 0; i < n; ++i) {
@@ -378,6 +392,7 @@ MechanismSpec Mechanism::spec() const {
                          .polynomial = l.polynomial,
                          .closed = l.closed});
   }
+  for (const auto& [a, b] : exclusions_) out.exclusions.push_back({link(a).name, link(b).name});
   return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Mechanism data: the structure of a human, an animal or another linked system. Immutable once built.
 
+#include <array>
 #include <memory>
 #include <span>
 #include <string>
@@ -28,8 +29,9 @@ struct LinkSpec {
 
 struct MechanismSpec {
   std::string name;
-  std::vector<LinkSpec> links;       ///< any order
-  std::vector<LoopSpec> loops = {};  ///< without the loops of virtual links, which follow from LinkSpec::real
+  std::vector<LinkSpec> links;                              ///< any order
+  std::vector<LoopSpec> loops = {};                         ///< without the loops of virtual links, which follow from LinkSpec::real
+  std::vector<std::array<std::string, 2>> exclusions = {};  ///< names of two links whose shapes do not collide with each other
 };
 
 /// A link in the run-time form. Index -1 means none. Source: Nagashima (1999), table 2.
@@ -54,6 +56,7 @@ class Mechanism {
   /// problems, each with the name of its link or loop: missing or duplicate name, unknown parent or real link, cycle of parents, axis that
   /// is not a unit vector, lower limit above upper limit, negative damping, impossible inertia (negative mass, triangle inequality),
   /// movable joint without armature whose link and descendants have no mass, loop between a link and itself, loop without length or DOF,
+  /// exclusion of an unknown link or of a link with itself,
   /// values that are not finite. O(links log links)
   [[nodiscard]] static Result<std::shared_ptr<const Mechanism>> make(MechanismSpec spec);
 
@@ -67,6 +70,8 @@ class Mechanism {
   /// All loops: first those of MechanismSpec::loops in that order, then one weld for each virtual link, with the link's name.
   [[nodiscard]] std::span<const Loop> loops() const { return loops_; }
   [[nodiscard]] bool has_loops() const { return !loops_.empty(); }
+  /// Pairs of links whose shapes do not collide with each other: indices, the smaller one first; sorted, each pair once.
+  [[nodiscard]] std::span<const std::array<int, 2>> exclusions() const { return exclusions_; }
   /// Index of the loop with this name, or -1. O(loops).
   [[nodiscard]] int find_loop(std::string_view name) const;
   /// Index of the link with this name, or -1. O(links).
@@ -88,6 +93,7 @@ class Mechanism {
   std::string name_;
   std::vector<Link> links_;
   std::vector<Loop> loops_;
+  std::vector<std::array<int, 2>> exclusions_;
   std::vector<int> link_of_dof_;
   std::vector<int> dof_parents_;
   int nq_ = 0, nv_ = 0;

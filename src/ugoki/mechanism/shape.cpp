@@ -113,6 +113,12 @@ Bounds bounds(const Shape& s) {
   }
 }
 
+bool can_collide(const Shape& a, const Shape& b) {
+  return a.collides && b.collides && ((a.groups & b.partners) != 0 || (b.groups & a.partners) != 0);
+}
+
+double pair_friction(const Shape& a, const Shape& b) { return a.smooth && b.smooth ? 0 : std::sqrt(a.friction * b.friction); }
+
 double volume(const Shape& s) {
   switch (s.type) {
     case ShapeType::sphere: return 4.0 / 3.0 * pi * s.radius * s.radius * s.radius;

@@ -23,6 +23,10 @@ struct Shape {
   double friction = 0.8;     ///< Coulomb coefficient; two shapes in contact use the geometric mean
   double restitution = 0.0;  ///< 0 to 1; two shapes in contact use the larger value
   bool collides = true;
+  /// Bits of the groups that this shape belongs to, and bits of the groups that it collides with. Two shapes collide if at least one
+  /// collides with a group of the other (can_collide()). The ground collides with every shape whose `collides` is true.
+  std::uint32_t groups = 1, partners = 1;
+  bool smooth = false;  ///< two smooth shapes have no friction with each other; `friction` applies to all other contacts
   bool visible = true;
 
   static Shape sphere(double radius, const Pose& X_BS = {}) {
@@ -92,6 +96,11 @@ struct Bounds {
 /// Support function: maximum of d . p [m] over the points p of the shape, in the shape's frame. d is a unit vector.
 /// O(vertices) for meshes, O(heights) for height fields.
 [[nodiscard]] double reach(const Shape& shape, const Vec3& d);
+
+/// Whether two shapes may collide: both collide, and one belongs to a group that the other collides with (Shape::groups).
+[[nodiscard]] bool can_collide(const Shape& a, const Shape& b);
+/// Coulomb coefficient of friction between two shapes.
+[[nodiscard]] double pair_friction(const Shape& a, const Shape& b);
 
 /// Mass properties of the shape as a solid of `density` [kg/m^3], in the link's frame. Mass 0 for a mesh with an open surface.
 [[nodiscard]] Inertia solid_inertia(const Shape& shape, double density);

@@ -32,6 +32,10 @@ void put_prefix(MechanismSpec& spec, const std::string& prefix) {
     put(l.link_a);
     put(l.link_b);
   }
+  for (auto& [a, b] : spec.exclusions) {
+    put(a);
+    put(b);
+  }
 }
 
 /// Returns a prefix for b's names that makes them different from a's; empty if none is needed.
@@ -117,6 +121,7 @@ Result<Combined> combine(const Mechanism& a, const Mechanism& b, const CombineOp
   first.name = options.name.empty() ? a.name() + " + " + b.name() : options.name;
   for (LinkSpec& l : second.links) first.links.push_back(std::move(l));
   for (LoopSpec& l : second.loops) first.loops.push_back(std::move(l));
+  for (auto& e : second.exclusions) first.exclusions.push_back(std::move(e));
   Result<MechanismPtr> made = Mechanism::make(std::move(first));
   if (!made) return fail(std::move(made.error()));
   out.mechanism = std::move(*made);

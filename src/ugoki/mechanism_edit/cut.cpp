@@ -1,5 +1,6 @@
 #include "ugoki/mechanism_edit/cut.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "ugoki/mechanism_edit/link_frames.h"
@@ -59,6 +60,9 @@ Result<Edited> cut(const Mechanism& m, std::string_view link, const CutOptions& 
     root.parent.clear();
     root.joint = Joint{.type = options.base, .X_PJ = X_W};
   }
+  std::erase_if(spec.exclusions, [&](const auto& pair) {
+    return std::ranges::any_of(pair, [&](const std::string& name) { return !kept[static_cast<std::size_t>(m.find_link(name))]; });
+  });
   std::vector<LinkSpec> links;
   for (std::size_t i = 0; i < n; ++i) {
     const int real = m.links()[i].real;

@@ -1,5 +1,6 @@
 #include "ugoki/mechanism_edit/edit.h"
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -64,6 +65,7 @@ class Editor {
       if (l.link_a == old) l.link_a = a_.value;
       if (l.link_b == old) l.link_b = a_.value;
     }
+    for (auto& exclusion : spec_.exclusions) std::ranges::replace(exclusion, old, a_.value);
     link_.name = a_.value;
     return "";
   }

@@ -170,6 +170,7 @@ void swap_names(MechanismSpec& spec) {
     rename(spec.loops[i].link_b);
     spec.loops[i].name = new_loops[i];
   }
+  for (auto& exclusion : spec.exclusions) std::ranges::for_each(exclusion, rename);
 }
 
 }  // namespace

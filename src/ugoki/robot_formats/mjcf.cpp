@@ -30,6 +30,7 @@ Result<RobotModel> read_mjcf(std::string_view text, std::string_view file_name, 
     make_mjcf_links(build);
     set_mjcf_springs(build);
     read_mjcf_loops(build);
+    read_mjcf_exclusions(build);
     read_mjcf_drives(build);
     read_mjcf_keyframes(build);
   }

@@ -63,9 +63,12 @@ void set_mjcf_springs(MjcfBuild& build);
 /// Reads <equality>: makes loops, and locks joints.
 void read_mjcf_loops(MjcfBuild& build);
 
+/// Reads <contact>: pairs of bodies that do not collide.
+void read_mjcf_exclusions(MjcfBuild& build);
+
 /// Reads <actuator>: sets effort limits, and lists the driven joints.
 void read_mjcf_drives(MjcfBuild& build);
-/// Adds notes about <tendon>, <contact>, <deformable>, <option> and other elements that a mechanism cannot store.
+/// Adds notes about <tendon>, <deformable>, <option> and other elements that a mechanism cannot store.
 void note_mjcf_left_out(const MjcfBuild& build);
 
 /// Reads <keyframe> as named positions.

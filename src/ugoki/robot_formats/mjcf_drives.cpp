@@ -111,9 +111,8 @@ void note_mjcf_left_out(const MjcfBuild& build) {
       const std::string_view kind = section.kind();
       if (kind == "option") note_options(section, document);
       if (kind == "extension" || kind == "deformable") section.note("<" + std::string(kind) + "> is left out.");
-      if (kind != "contact" && kind != "tendon") continue;
+      if (kind != "tendon") continue;
       for (const MjcfElement& e : document.children(section)) {
-        if (e.kind() == "exclude" || e.kind() == "pair") e.note("Rules which bodies collide (<exclude>, <pair>) are left out.");
         if (e.kind() == "spatial") e.note("A spatial tendon is left out, with its limits and springs.");
         if (e.kind() == "fixed") e.note("A fixed tendon is left out, with its limits and springs.");
       }

@@ -132,6 +132,7 @@ MjcfGeom read_mjcf_geom(const MjcfSource& source, const MjcfAttributes& a, const
   g.group = a.integer("group", 0, -1'000'000, 1'000'000);
   g.contype = a.integer("contype", 1, -2147483647, 2147483647);
   g.conaffinity = a.integer("conaffinity", 1, -2147483647, 2147483647);
+  g.condim = a.integer("condim", 3, 1, 6);
   double friction[3] = {1, 0, 0}, rgba[4] = {1, 1, 1, 1};
   (void)a.overlay("friction", friction, not_negative);
   g.friction = friction[0];

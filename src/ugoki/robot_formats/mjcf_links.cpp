@@ -251,8 +251,13 @@ std::optional<Shape> mjcf_shape(MjcfBody& body, const MjcfGeom& geom, MjcfBuild&
   const bool collides = geom.contype != 0 || geom.conaffinity != 0;
   std::optional<Shape> shape = outline(body, geom, collides, build);
   if (!shape) return shape;
-  if (collides && !(geom.contype == 1 && geom.conaffinity == 1))
-    geom.element.note("Collision filters (contype, conaffinity) are left out; the shape collides with all others.");
+  shape->groups = static_cast<std::uint32_t>(geom.contype);
+  shape->partners = static_cast<std::uint32_t>(geom.conaffinity);
+  shape->smooth = geom.condim == 1;
+  if (collides && ((shape->groups | shape->partners) & 1U) == 0)
+    geom.element.note(
+        "The ground collides with this shape, although contype and conaffinity do not contain the usual bit of the floor (1).");
+  if (collides && geom.condim > 3) geom.element.note("Torsional and rolling friction (condim 4 and 6) are left out.");
   shape->friction = geom.friction;
   shape->collides = collides;
   shape->visible = !geom.transparent && (collides || geom.group <= 2);

@@ -39,6 +39,7 @@ struct MjcfGeom {
   bool shell = false;          ///< shellinertia: mass on the surface
   int group = 0;
   int contype = 1, conaffinity = 1;
+  int condim = 3;  ///< 1: no friction with geoms that have condim 1, too; 3: friction; 4, 6: also torsional and rolling friction
   double friction = 1;
   bool transparent = false;
   std::string mesh, height_field;  ///< names of assets; empty: none

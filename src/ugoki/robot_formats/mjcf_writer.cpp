@@ -32,6 +32,7 @@ class MjcfWriter {
     }
     xml_.end();
     write_motors();
+    write_exclusions();
     write_equalities();
     write_keys();
     xml_.end();
@@ -219,8 +220,25 @@ class MjcfWriter {
     if (s.restitution != 0) notes_.add("MJCF cannot store restitution; that of % is left out.", l.name);
     if (!s.visible) attributes += attribute("rgba", "0.5 0.5 0.5 0");
     xml_.element("geom", attributes + placement(s.X_BS) +
-                             (s.collides ? attribute("friction", std::string_view(to_text(s.friction) + " 0.005 0.0001"))
-                                         : attribute("contype", "0") + attribute("conaffinity", "0")));
+                             (s.collides ? collision_attributes(s) : attribute("contype", "0") + attribute("conaffinity", "0")));
+  }
+
+  static std::string collision_attributes(const Shape& s) {
+    const Shape standard;
+    std::string out = attribute("friction", std::string_view(to_text(s.friction) + " 0.005 0.0001"));
+    // MuJoCo reads the bits as signed integers.
+    if (s.groups != standard.groups) out += attribute("contype", std::string_view(std::to_string(static_cast<std::int32_t>(s.groups))));
+    if (s.partners != standard.partners)
+      out += attribute("conaffinity", std::string_view(std::to_string(static_cast<std::int32_t>(s.partners))));
+    if (s.smooth) out += attribute("condim", "1");
+    return out;
+  }
+
+  void write_exclusions() {
+    if (m_.exclusions().empty()) return;
+    xml_.begin("contact");
+    for (const auto& [a, b] : m_.exclusions()) xml_.element("exclude", bodies(a, b));
+    xml_.end();
   }
 
   void write_motors() {
