@@ -34,8 +34,7 @@ void VelocitySolver::set_systems(std::span<const int> first) {
   in_subset_.assign(systems, 0);
   solved_.assign(systems, 0);
   failed_.assign(systems, 0);
-  for (std::vector<int>* v : {&root_, &island_, &members_, &cursor_, &local_, &queue_}) v->resize(systems + 1);
-  neighbour_first_.resize(systems + 2);
+  for (std::vector<int>* v : {&root_, &island_, &members_, &cursor_, &local_}) v->resize(systems + 1);
   // Reserve memory for a usual scene: a dozen contacts for each system.
   const std::size_t n = w_.size(), blocks = 64 + 12 * systems + 2 * n;
   blocks_.reserve(blocks);
@@ -44,12 +43,10 @@ void VelocitySolver::set_systems(std::span<const int> first) {
   order_.reserve(2 * blocks);
   members_.reserve(2 * systems + 1);
   islands_.reserve(systems);
-  neighbours_.reserve(2 * blocks);
-  for (std::vector<double>* v : {&target_, &p_, &old_p_, &hat_, &saxce_}) v->reserve(3 * blocks);
+  systems_.reserve(systems + 1, blocks);
+  for (std::vector<double>* v : {&target_, &p_, &old_p_, &hat_, &shift_}) v->reserve(3 * blocks);
   for (std::vector<double>* v : {&F_, &step_, &x_}) v->reserve(n);
-  lowest_.reserve(n);
-  start_.reserve(n);
-  H_.reserve(std::min<std::size_t>(n * n, 1 << 15));
+  H_.reserve(n, std::min<std::size_t>(n * n, 1 << 15));
 }
 
 void VelocitySolver::clear() {

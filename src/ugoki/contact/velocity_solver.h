@@ -26,7 +26,9 @@
 
 #include "ugoki/base/executor.h"
 #include "ugoki/contact/dense_island.h"
+#include "ugoki/contact/envelope_matrix.h"
 #include "ugoki/contact/row_block.h"
+#include "ugoki/contact/system_order.h"
 
 namespace ugoki::contact {
 
@@ -114,6 +116,10 @@ class VelocitySolver {
     int values;         // index in z_ of its rows [rows][length]
   };
 
+  /// Block i of an island.
+  [[nodiscard]] RowBlock& block(const Island& island, int i) {
+    return blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
+  }
   void velocities(const RowBlock& b, double* u) const;
   void apply(const RowBlock& b, const double* p);
   double relax(RowBlock& b);
@@ -136,13 +142,11 @@ class VelocitySolver {
   int newton(const Island& island, bool subset, double change, double tolerance);
   void fix_law(const Island& island);
   int minimise(const Island& island);
-  void solve_newton();
   void sort_rows(const Island& island);
   std::pair<double, double> apply_laws(const Island& island, double length);
   void calc_residual(const Island& island);
   void assemble_matrix(const Island& island);
   void add_to_matrix(const SortedRows& s, int rows, const double* G);
-  void impulse_of(const RowBlock& b, const double* u, double* p, double* G) const;
   void recompute_w(const Island& island);
 
   // Threads, in velocity_threads.cpp
@@ -177,12 +181,10 @@ class VelocitySolver {
   double island_budget_ = 0;                 // floating-point operations that Newton's method may use for each island in one call
   double newton_left_ = HUGE_VAL;            // floating-point operations left for all islands until the next limit_newton()
   std::vector<int> local_;                   // [systems] first row of the system in H_
-  std::vector<int> lowest_;                  // [n] first column of each row in the envelope of H_
-  std::vector<std::size_t> start_;           // [n] index in H_ of the first stored entry of each row (column lowest_)
-  std::vector<double> H_;                    // Newton matrix H: envelope, row by row
+  EnvelopeMatrix H_;                         // Newton matrix H
   std::vector<double> G_;                    // [blocks of the island * 9] -dp/du, row by row
   std::vector<double> F_, step_, x_;         // [n] x_: w without base_
-  std::vector<double> old_p_, hat_, saxce_;  // hat_: p^ of the augmented Lagrangian; saxce_: see fix_law()
+  std::vector<double> old_p_, hat_, shift_;  // hat_: p^ of the augmented Lagrangian; shift_: AugmentedLaw::shift
   std::vector<double> u_, du_;               // [blocks of the island * 3] velocity, and its change along step_
   std::vector<SortedRows> sorted_;           // [blocks of the island] see sort_rows()
   std::vector<double> z_, swap_;             // z_: the blocks' rows; swap_: scratch
@@ -190,7 +192,7 @@ class VelocitySolver {
   std::vector<double> base_;        // [DOFs] contribution to w_ of blocks outside the solved subset
   std::vector<double> scratch_w_;
   std::vector<char> in_subset_;  // [systems] 1: newton_on_subset() solves the system
-  std::vector<int> neighbour_first_, neighbours_, queue_;
+  SystemOrder systems_;          // order of the systems in H_
 };
 
 }  // namespace ugoki::contact

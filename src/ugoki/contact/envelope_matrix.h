@@ -1,0 +1,48 @@
+#pragma once
+// Sparse symmetric positive definite matrix, stored as an envelope: in each row the entries from the first nonzero column to the diagonal.
+// Factoring fills in entries only inside the envelope. Source: George, Liu (1981), Computer solution of large sparse positive definite
+// systems, chapter 4.
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace ugoki::contact {
+
+class EnvelopeMatrix {
+ public:
+  /// Reserves memory for n rows with `entries` stored entries in total.
+  void reserve(std::size_t n, std::size_t entries);
+
+  // To define the envelope: begin(n), then include() for each row and column that may be nonzero, then finish().
+  void begin(int n);
+  /// Extends the row's envelope to this column. @param column at most `row`
+  void include(int row, int column) {
+    int& first = first_[static_cast<std::size_t>(row)];
+    first = std::min(first, column);
+  }
+  /// Sets the locations of the rows. @return estimated number of floating-point operations of factor()
+  double finish();
+  /// Reserves the entries of the present envelope. Their values are undefined until set_identity().
+  void allocate() { values_.resize(size_); }
+
+  [[nodiscard]] std::size_t rows() const { return first_.size(); }
+  /// Row of the lower triangle: entry (row, column) is row_data(row)[column], for columns from the first nonzero one to `row`.
+  [[nodiscard]] double* row_data(int row) {
+    const auto i = static_cast<std::size_t>(row);
+    return values_.data() + start_[i] - first_[i];
+  }
+  void set_identity();
+
+  /// Solves A x = b and replaces the matrix by its Cholesky factor with inverted diagonal. A must be positive definite.
+  /// @param b [n] @param x [n, out]
+  void solve(const std::vector<double>& b, std::vector<double>& x);
+
+ private:
+  std::vector<int> first_;          // [n] first column of each row
+  std::vector<std::size_t> start_;  // [n] index in values_ of the first entry of each row
+  std::vector<double> values_;
+  std::size_t size_ = 0;  // number of entries
+};
+
+}  // namespace ugoki::contact

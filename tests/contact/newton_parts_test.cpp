@@ -1,0 +1,158 @@
+// Parts of Newton's method in the velocity solver: sparse matrix, order of systems, augmented laws.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+
+#include "ugoki/contact/augmented_law.h"
+#include "ugoki/contact/contact_law.h"
+#include "ugoki/contact/envelope_matrix.h"
+#include "ugoki/contact/system_order.h"
+
+namespace ugoki::contact {
+namespace {
+
+TEST(EnvelopeMatrix, SolutionSatisfiesTheEquations) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (const int n : {1, 2, 7, 40}) {
+    EnvelopeMatrix sparse;
+    sparse.begin(n);
+    std::vector<std::vector<double>> dense(static_cast<std::size_t>(n), std::vector<double>(static_cast<std::size_t>(n), 0.0));
+    for (std::size_t i = 0; i < dense.size(); ++i) dense[i][i] = 1;
+    std::vector<std::pair<int, int>> entries;
+    for (int k = 0; k < 3 * n; ++k) {
+      int row = static_cast<int>(random() % static_cast<unsigned>(n)), column = static_cast<int>(random() % static_cast<unsigned>(n));
+      if (row < column) std::swap(row, column);
+      sparse.include(row, column);
+      entries.emplace_back(row, column);
+    }
+    sparse.finish();
+    sparse.allocate();
+    sparse.set_identity();
+    for (const auto& [row, column] : entries) {  // adds (e_row + f e_column)(e_row + f e_column)^T
+      const double f = row == column ? 0 : any(random);
+      const auto r = static_cast<std::size_t>(row), c = static_cast<std::size_t>(column);
+      dense[r][r] += 1;
+      sparse.row_data(row)[row] += 1;
+      if (row == column) continue;
+      sparse.row_data(column)[column] += f * f;
+      sparse.row_data(row)[column] += f;
+      dense[c][c] += f * f;
+      dense[r][c] += f;
+      dense[c][r] += f;
+    }
+    std::vector<double> b(static_cast<std::size_t>(n)), x(b.size());
+    for (double& v : b) v = any(random);
+    sparse.solve(b, x);
+    for (std::size_t i = 0; i < dense.size(); ++i) {
+      double sum = 0;
+      for (std::size_t k = 0; k < dense.size(); ++k) sum += dense[i][k] * x[k];
+      EXPECT_NEAR(sum, b[i], 1e-12);
+    }
+  }
+}
+
+TEST(SystemOrder, ChainsGetABandOfWidthOne) {
+  SystemOrder order;
+  order.reserve(20, 20);
+  // two chains whose systems are numbered at random; system 7 touches nothing, system 3 touches itself
+  const int one[] = {4, 9, 1, 12, 6}, two[] = {3, 15, 2, 0};
+  order.clear();
+  for (int k = 0; k < 4; ++k) order.add(one[k], one[k + 1]);
+  for (int k = 0; k < 3; ++k) order.add(two[k + 1], two[k]);
+  order.add(3, 3);
+  const std::array members = {0, 1, 2, 3, 4, 6, 7, 9, 12, 15};
+  const std::span<const int> found = order.find(members);
+  std::vector<int> sorted(found.begin(), found.end());
+  std::ranges::sort(sorted);
+  EXPECT_TRUE(std::ranges::equal(sorted, members)) << "each system once";
+  const auto place = [&](int s) { return std::ranges::find(found, s) - found.begin(); };
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(std::abs(place(one[k]) - place(one[k + 1])), 1);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(std::abs(place(two[k]) - place(two[k + 1])), 1);
+}
+
+/// Blocks of all kinds with a diagonal inverse inertia.
+RowBlock block_of(RowKind kind, double impact_impulse = 0) {
+  RowBlock b{};
+  b.kind = kind;
+  b.rows = kind == RowKind::contact || kind == RowKind::roll ? 3 : 1;
+  b.mu = 0.6;
+  b.bound = 0.4;
+  b.impact_impulse = impact_impulse;
+  b.compliance = 1e-4;
+  b.B[0] = 2;
+  b.B[1] = 3;
+  b.B[2] = 1.5;
+  b.lever = 1;
+  return b;
+}
+
+// G is minus the derivative of the impulse (differences), symmetric, and has no negative eigenvalue.
+TEST(AugmentedLaw, DerivativeAgreesWithDifferences) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (const RowBlock& b : {block_of(RowKind::contact), block_of(RowKind::contact, 0.2), block_of(RowKind::limit),
+                            block_of(RowKind::friction), block_of(RowKind::roll)}) {
+    int tested = 0;
+    for (int trial = 0; trial < 200; ++trial) {
+      const double hat[3] = {any(random), any(random), any(random)};
+      const AugmentedLaw law{0.5, hat, 0.1, 0.7};
+      const double u[3] = {any(random), any(random), any(random)};
+      double p[3], G[9] = {}, unused[9] = {};
+      augmented_impulse(b, law, u, p, G);
+      constexpr double h = 1e-6;
+      double difference[9] = {}, bend = 0;
+      for (int c = 0; c < b.rows; ++c) {
+        double up[3] = {u[0], u[1], u[2]}, down[3] = {u[0], u[1], u[2]}, high[3], low[3];
+        up[c] += h;
+        down[c] -= h;
+        augmented_impulse(b, law, up, high, unused);
+        augmented_impulse(b, law, down, low, unused);
+        for (int r = 0; r < b.rows; ++r) {
+          difference[3 * r + c] = -(high[r] - low[r]) / (2 * h);
+          bend = std::max(bend, std::fabs(high[r] - 2 * p[r] + low[r]) / h);
+        }
+      }
+      if (bend > 1e-3) continue;  // a change of class within the difference
+      ++tested;
+      for (int r = 0; r < b.rows; ++r)
+        for (int c = 0; c < b.rows; ++c) {
+          EXPECT_NEAR(G[3 * r + c], difference[3 * r + c], 1e-6);
+          EXPECT_NEAR(G[3 * r + c], G[3 * c + r], 1e-12);
+        }
+      for (int k = 0; k < 10; ++k) {
+        const double x[3] = {any(random), any(random), any(random)};
+        double square = 0;
+        for (int r = 0; r < b.rows; ++r)
+          for (int c = 0; c < b.rows; ++c) square += x[r] * G[3 * r + c] * x[c];
+        EXPECT_GT(square, -1e-12);
+      }
+    }
+    EXPECT_GT(tested, 150);
+  }
+}
+
+// An impulse that the law does not change satisfies Coulomb's law, also while the contact slides.
+TEST(AugmentedLaw, FixedPointsSatisfyTheLaw) {
+  RowBlock b = block_of(RowKind::contact);
+  b.compliance = 0;
+  const auto is_fixed = [&](std::array<double, 3> p, std::array<double, 3> u) {
+    double next[3], G[9];
+    augmented_impulse(b, {1e-3, p.data(), sliding_shift(b, p.data(), u.data()), 0}, u.data(), next, G);
+    return std::hypot(next[0] - p[0], next[1] - p[1], next[2] - p[2]) < 1e-9;
+  };
+  b.B[1] = b.B[2] = b.B[0];
+  EXPECT_TRUE(is_fixed({1, 0.3, -0.4}, {0, 0, 0})) << "sticking";
+  EXPECT_TRUE(is_fixed({0, 0, 0}, {0.2, 5, 0})) << "open";
+  EXPECT_TRUE(is_fixed({1, 0.36, -0.48}, {0, -3, 4})) << "sliding, friction opposed to the slip";
+  EXPECT_FALSE(is_fixed({1, -0.36, 0.48}, {0, -3, 4})) << "friction along the slip";
+  EXPECT_FALSE(is_fixed({1, 0.3, -0.4}, {0, -3, 4})) << "friction below its bound while sliding";
+  EXPECT_FALSE(is_fixed({1, 0.36, -0.48}, {0.1, -3, 4})) << "pressed while separating";
+}
+
+}  // namespace
+}  // namespace ugoki::contact
