@@ -1,0 +1,23 @@
+#pragma once
+// Anchor of balance control: the displacement of the reference in the horizontal plane.
+
+#include "ugoki/control/balance_model.h"
+
+namespace ugoki::control {
+
+/// Keeps the standing foot of the reference at the standing foot of the character.
+class ReferenceAnchor {
+ public:
+  /// Updates the displacement in `state`. During double support it moves from the rear to the front foot. @param dt s
+  void update(const BalanceModel& model, double dt, BalanceState& state);
+  /// m/s: velocity of the displacement in double support.
+  [[nodiscard]] const Vec3& rate() const { return rate_; }
+  /// s: remaining time of the double support.
+  [[nodiscard]] double rest() const { return rest_; }
+
+ private:
+  Vec3 rate_;
+  double rest_ = 0;
+};
+
+}  // namespace ugoki::control
