@@ -106,6 +106,14 @@ Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::
   for (int i = 0; i < m.link_count(); ++i)
     if (m.link(i).label == "chest") chest = i;
   Outcome out;
+  if (settings.trace)
+    for (std::size_t f = 0; f < control.feet().size(); ++f) {
+      std::printf("foot %s: stands", m.link(control.feet()[f].link).name.c_str());
+      for (const control::Stance& s : control.schedule().stances(f)) std::printf(" %.2f-%.2f", s.begin, s.end);
+      std::printf("; turns");
+      for (const control::Stance& s : control.schedule().turns(f)) std::printf(" %.2f-%.2f", s.begin, s.end);
+      std::printf("\n");
+    }
   double square = 0, count = 0;
   const double end = std::min(settings.duration, reference->end());
   const auto ticks = static_cast<long>(std::floor(end / settings.dt + 1e-9));

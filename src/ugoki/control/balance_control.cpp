@@ -20,28 +20,31 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
   BalanceOutput out;
   // 1., 2. Phase and anchor
   dynamics::update_kinematics(m, in.q, in.v, model_.now);
-  model_.sample_reference(state);
-  support_.count_contacts(model_, in);
-  update_phase(model_, support_, in.dt, state);
-  anchor_.update(model_, in.dt, state);
-  model_.sample_reference(state);
-  support_.find_bearing(model_, in, state);
   model_.centroid = dynamics::calc_centroidal(m, model_.now);
+  model_.sample_reference(state);
+  support_.collect(model_, in);
+  update_phase(model_, support_, in.dt, state);
+  anchor_.update(model_, support_, in.dt, state);
+  model_.sample_reference(state);
+  support_.find_bearing(model_, state);
 
   // 3. Centre of mass
-  const double w0 = std::sqrt(norm(o.gravity) / std::max(0.05, model_.want.centre.z - model_.floor));
+  const double w0 = std::sqrt(norm(o.gravity) / std::max(0.05, model_.want.centre.z - model_.floor - state.z));
   model_.w0 = w0;
   // The reference moves from one foot to the other at the velocity u for the remaining time T. A DCM that is ahead of the reference by u /
   // w0 (1 - exp(-w0 T)) arrives without effort.
-  const Vec3 e = model_.centroid.centre - model_.want.centre;
-  const Vec3 e_rate = model_.centroid.velocity - model_.want.velocity - anchor_.rate() * (1 - exp(-w0 * anchor_.rest()));
+  Vec3 e = model_.centroid.centre - model_.want.centre;
+  Vec3 e_rate = model_.centroid.velocity - model_.want.velocity - anchor_.rate() * (1 - exp(-w0 * anchor_.rest()));
+  // On a slope, the centre of mass rises with the ground.
+  e.z -= model_.ground_rise(state, model_.centroid.centre);
+  e_rate.z -= anchor_.climb() + state.tilt[0] * model_.centroid.velocity.x + state.tilt[1] * model_.centroid.velocity.y;
   out.dcm_error = horizontal(e + e_rate / w0);
   Vec3 acceleration = model_.want_rate.v / m.mass() - e * (w0 * o.com_gain) - e_rate * (w0 + o.com_gain);
   acceleration.z = model_.want_rate.v.z / m.mass() - e.z * o.height_frequency * o.height_frequency - e_rate.z * 2 * o.height_frequency;
 
   // 4., 5. Steps
-  planner_.start_reaction(model_, support_, in, state);
-  planner_.update_shifts(model_, support_, in, out.dcm_error, state);
+  planner_.start_reaction(model_, support_, in.dt, state);
+  planner_.update_shifts(model_, support_, in.dt, out.dcm_error, state);
 
   // 6. Quadratic program
   program_.solve(model_, support_, in, acceleration, state, tau, out);

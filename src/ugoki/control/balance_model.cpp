@@ -49,7 +49,7 @@ BalanceModel::BalanceModel(MechanismPtr m, std::shared_ptr<const ReferenceMotion
 void BalanceModel::sample_reference(const BalanceState& state) {
   const Mechanism& m = *mechanism;
   motion->sample(state.time, q_ref, v_ref, a_ref);
-  displace_root(m, {state.x, state.y, 0, state.heading}, q_ref);
+  displace_root(m, {state.x, state.y, state.z, state.heading}, q_ref);
   const Joint& root = m.link(0).joint;
   const Mat3 turn = root.X_PJ.R.transposed() * rotation_about({0, 0, 1}, state.heading) * root.X_PJ.R;
   for (std::vector<double>* x : {&v_ref, &a_ref}) {
@@ -67,6 +67,12 @@ void BalanceModel::sample_reference(const BalanceState& state) {
 }
 
 Vec3 BalanceModel::left() const { return normalized(horizontal(now.X_WB[0].R * transpose_times(rest_pelvis, Vec3{0, 1, 0})), {0, 1, 0}); }
+
+const Flight* BalanceModel::flight(const BalanceState& state) const {
+  for (std::size_t f = 0; f < feet.size(); ++f)
+    if (state.feet[f].stands) return nullptr;
+  return schedule.flight(state.time);
+}
 
 void BalanceModel::lift(std::size_t f, BalanceState& state) const {
   BalanceState::FootState& foot = state.feet[f];

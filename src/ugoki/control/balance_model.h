@@ -31,8 +31,14 @@ struct BalanceModel {
   [[nodiscard]] Vec3 sole(std::size_t foot) const { return now.X_WB[link_of(foot)] * feet[foot].sole; }
   /// m, world: centre of the sole of a foot of the reference.
   [[nodiscard]] Vec3 reference_sole(std::size_t foot) const { return ref.X_WB[link_of(foot)] * feet[foot].sole; }
+  /// m: height of the ground at p above the ground at the standing feet, if the ground continues with the same slope.
+  [[nodiscard]] double ground_rise(const BalanceState& state, const Vec3& p) const {
+    return state.tilt[0] * (p.x - state.ground[0]) + state.tilt[1] * (p.y - state.ground[1]);
+  }
   /// Unit, horizontal: direction to the left of the pelvis. In the neutral position, the pelvis faces x and its left is y.
   [[nodiscard]] Vec3 left() const;
+  /// Flight of the reference, if no foot of the character stands either; otherwise null.
+  [[nodiscard]] const Flight* flight(const BalanceState& state) const;
   /// Removes a foot from the ground: it begins a swing at its present position.
   void lift(std::size_t foot, BalanceState& state) const;
 

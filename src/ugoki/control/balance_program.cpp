@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "ugoki/mechanism/state.h"
 
@@ -9,6 +10,7 @@ namespace ugoki::control {
 namespace {
 
 constexpr std::size_t max_limits = 24;
+constexpr double sliding = 0.03;  // m/s: a point that slides faster has its full friction, opposite to its motion
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -19,8 +21,9 @@ BalanceProgram::BalanceProgram(const BalanceModel& model) : tasks_(model) {
   for (std::vector<double>* v : {&accelerations_, &bias_, &displacement_}) v->resize(nv);
   edges_.reserve(4 * GroundSupport::max_bearing);
   limited_.reserve(max_limits);
+  stopped_.reserve(max_limits);
   program_.reserve(static_cast<int>(nv), 4 * static_cast<int>(GroundSupport::max_bearing), BalanceTasks::max_equations(model),
-                   6 + static_cast<int>(max_limits));
+                   6 + 2 * static_cast<int>(max_limits));
 }
 
 double BalanceProgram::load_on(const BalanceModel& model, std::size_t i, std::size_t k) const {
@@ -65,6 +68,24 @@ std::size_t BalanceProgram::add_torque_limits(const BalanceModel& model, const B
   return limited_.size() - known;
 }
 
+std::size_t BalanceProgram::add_joint_limits(const BalanceModel& model, const BalanceInput& in) {
+  // A joint at position x with velocity v and acceleration a is at x + v T + a T^2 / 2 after the time T.
+  constexpr double max_braking = 1000;  // rad/s^2 | m/s^2: a joint beyond its limit is not thrown back
+  const double T = model.options.limit_time, infinity = std::numeric_limits<double>::infinity();
+  const std::size_t known = stopped_.size();
+  for (std::size_t i = 6; i < accelerations_.size() && stopped_.size() < max_limits; ++i) {
+    const Dof& d = model.now.dofs[i];
+    const double ahead = displacement_[i] + in.v[i] * T;
+    const double upper = std::max(2 * (d.upper - ahead) / (T * T), -max_braking);
+    const double lower = std::min(2 * (d.lower - ahead) / (T * T), max_braking);
+    const bool above = accelerations_[i] > upper + 1e-3, below = accelerations_[i] < lower - 1e-3;
+    if ((!above && !below) || std::ranges::find(stopped_, static_cast<int>(i)) != stopped_.end()) continue;
+    stopped_.push_back(static_cast<int>(i));
+    program_.add_balance(below ? lower : -infinity, above ? upper : infinity, 1e-4).c[i] = 1;
+  }
+  return stopped_.size() - known;
+}
+
 void BalanceProgram::find_torques(BalanceModel& model, const BalanceInput& in, std::span<double> tau) {
   std::ranges::copy(program_.x(), accelerations_.begin());
   dynamics::calc_inverse_dynamics(*model.mechanism, model.now, accelerations_, model.options.gravity, {}, tau);
@@ -90,6 +111,12 @@ void BalanceProgram::solve(BalanceModel& model, const GroundSupport& support, co
   edges_.clear();
   for (const BearingPoint& b : *bearing_) {
     const Vec3 t1 = any_perpendicular(b.n), t2 = cross(b.n, t1);
+    const double slide = norm(b.slide);
+    if (slide > sliding) {  // friction opposes the sliding; the force is inside a narrow pyramid around this direction
+      const Vec3 back = b.slide * (-b.friction / slide), side = cross(b.n, back) * 0.1;
+      for (const Vec3& t : {back + side, back - side, back, back * 0.9}) edges_.push_back(b.n + t);
+      continue;
+    }
     const double mu = model.options.friction_margin * b.friction;
     for (const Vec3& t : {t1 * mu, t1 * -mu, t2 * mu, t2 * -mu}) edges_.push_back(b.n + t);
   }
@@ -105,15 +132,17 @@ void BalanceProgram::solve(BalanceModel& model, const GroundSupport& support, co
   for (std::size_t r = 0; r < 6; ++r) state.multipliers[r] = program_.balance_multipliers()[r];
   for (const Link& link : m.links()) joint_displacement(link.joint, in.q.data() + link.q_index, displacement_.data() + link.v_index);
   find_torques(model, in, tau);
-  // Add only those torque limits that the solution exceeds. They are few, so the other limits add no cost.
+  // Add only those limits that the solution exceeds. They are few, so the other limits add no cost.
   limited_.clear();
+  stopped_.clear();
   for (int round = 0; round < model.options.limit_rounds; ++round) {
-    if (add_torque_limits(model, in, tau) == 0) break;
+    if (add_joint_limits(model, in) + add_torque_limits(model, in, tau) == 0) break;
     out.solved = program_.solve();
     out.iterations += program_.iterations();
     find_torques(model, in, tau);
   }
   out.limits = static_cast<int>(limited_.size());
+  out.joint_limits = static_cast<int>(stopped_.size());
   out.residual = program_.residual();
   for (std::size_t i = 0; i < 6; ++i) tau[i] = 0;
   for (std::size_t i = 6; i < tau.size(); ++i) {

@@ -29,6 +29,8 @@ class BalanceProgram {
   void add_root_equations(BalanceModel& model);
   /// Adds the torque limits that the solution exceeds. @return number of limits added
   std::size_t add_torque_limits(const BalanceModel& model, const BalanceInput& input, std::span<const double> tau);
+  /// Adds the position limits of joints that the solution would exceed. @return number of limits added
+  std::size_t add_joint_limits(const BalanceModel& model, const BalanceInput& input);
   void find_torques(BalanceModel& model, const BalanceInput& input, std::span<double> tau);
 
   QuadraticProgram program_;
@@ -37,6 +39,7 @@ class BalanceProgram {
   std::vector<Vec3> edges_;                             // [loads] direction of each load's force
   std::vector<double> accelerations_, bias_, displacement_;
   std::vector<int> limited_;  // DOFs whose torque limit is a balance (inequality) of the program
+  std::vector<int> stopped_;  // DOFs whose position limit is a balance of the program
 };
 
 }  // namespace ugoki::control

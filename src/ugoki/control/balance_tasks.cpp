@@ -24,14 +24,18 @@ void add_point_rows(const BalanceModel& model, int link, const Vec3& p, const Ve
   }
 }
 
-/// Orientation of a foot in the reference. A nearly level sole is made level, because measured soles are tilted by a few degrees in stance.
-Mat3 levelled(const BalanceModel& model, std::size_t f) {
+/// Orientation of a foot in the reference, turned with the slope of the ground. A nearly level sole is made level, because measured soles
+/// are tilted by a few degrees in stance.
+Mat3 levelled(const BalanceModel& model, const BalanceState& state, std::size_t f) {
   const Mat3& R = model.ref.X_WB[at(model.feet[f].link)].R;
   const Vec3 normal = R * model.feet[f].normal, axis = cross(normal, Vec3{0, 0, 1});
   const double tilt = atan2(norm(axis), normal.z);
-  if (tilt < 1e-9 || tilt > model.options.steep) return R;
+  const Vec3 ground = normalized(Vec3{-state.tilt[0], -state.tilt[1], 1}), slope_axis = cross(Vec3{0, 0, 1}, ground);
+  const double slope = norm(slope_axis);
+  const Mat3 incline = slope > 1e-9 ? rotation_about(slope_axis / slope, atan2(slope, ground.z)) : Mat3::identity();
+  if (tilt < 1e-9 || tilt > model.options.steep) return incline * R;
   const double share = 1 - smooth_step((tilt - model.options.flat) / (model.options.steep - model.options.flat)).value;
-  return rotation_about(normalized(axis), tilt * share) * R;
+  return incline * rotation_about(normalized(axis), tilt * share) * R;
 }
 
 /// Adds the task that a link has the orientation R_ref.
@@ -71,11 +75,17 @@ void add_swing_task(const BalanceModel& model, std::size_t f, const BalanceState
   Vec3 a = dynamics::calc_jacobian_bias(*model.mechanism, model.ref, foot.link, dynamics::JacobianFrame::world, p_ref).v;
   for (const int i : dynamics::chain_of_link(model.ref, foot.link))
     a += (model.ref.S[at(i)].v + cross(model.ref.S[at(i)].w, p_ref - model.ref.p0)) * model.a_ref[at(i)];
-  const Vec3 offset{memory.offset[0], memory.offset[1], memory.offset[2]}, shift{memory.shift[0], memory.shift[1], 0};
+  const Vec3 offset{memory.offset[0], memory.offset[1], memory.offset[2]},
+      shift{memory.shift[0], memory.shift[1], model.ground_rise(state, p_ref)};
   const double up = 4 * phase * (1 - phase), down = std::clamp((phase - 0.7) / 0.3, 0.0, 1.0);
-  Vec3 goal = p_ref + offset * (1 - s.value) + shift * s.value +
-              Vec3{0, 0, (memory.reacts ? model.options.step_clearance : model.options.clearance) * up - model.options.aim_depth * down};
-  Vec3 speed = dynamics::point_velocity(model.ref, foot.link, p_ref) + (shift - offset) * s.rate;
+  // In flight, the legs keep their posture relative to the centre of mass. Both flights end at the same height.
+  const double flight = model.flight(state) ? model.centroid.centre.z - model.want.centre.z : 0;
+  Vec3 goal =
+      p_ref + offset * (1 - s.value) + shift * s.value +
+      Vec3{0, 0, flight + (memory.reacts ? model.options.step_clearance : model.options.clearance) * up - model.options.aim_depth * down};
+  const Vec3 v_ref = dynamics::point_velocity(model.ref, foot.link, p_ref);
+  Vec3 speed = v_ref + (shift - offset) * s.rate;
+  speed.z += (state.tilt[0] * v_ref.x + state.tilt[1] * v_ref.y) * s.value;
   a += (shift - offset) * s.acceleration;
   const double w = model.options.swing_frequency;
   const Vec3 v = dynamics::point_velocity(model.now, foot.link, p);
@@ -83,7 +93,7 @@ void add_swing_task(const BalanceModel& model, std::size_t f, const BalanceState
   if (late) target.z = model.options.sole_damping * (-model.options.press_speed - v.z);
   const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   add_point_rows(model, foot.link, p, target, model.options.swing_weight, axes, program);
-  add_turn_task(model, foot.link, levelled(model, f), w, model.options.swing_turn_weight, program);
+  add_turn_task(model, foot.link, levelled(model, state, f), w, model.options.swing_turn_weight, program);
 }
 
 void add_standing_foot(const BalanceModel& model, const GroundSupport& support, std::size_t f, QuadraticProgram& program) {
@@ -102,16 +112,18 @@ void add_standing_foot(const BalanceModel& model, const GroundSupport& support, 
       for (const BearingPoint& b : support.bearing())
         if (b.link == link && norm(cross(along, b.p - first->p)) > best) third = &b, best = norm(cross(along, b.p - first->p));
     }
-    const auto slow = [&](const Vec3& p) { return dynamics::point_velocity(model.now, link, p) * -model.options.sole_damping; };
+    const auto slow = [&](const BearingPoint* b) {
+      return (dynamics::point_velocity(model.now, link, b->p) - b->slide) * -model.options.sole_damping;
+    };
     const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    add_point_rows(model, link, first->p, slow(first->p), model.options.sole_weight, axes, program);
+    add_point_rows(model, link, first->p, slow(first), model.options.sole_weight, axes, program);
     if (!second) continue;
     const Vec3 along = normalized(second->p - first->p), side = normalized(cross(first->n, along)), up = cross(along, side);
     const Vec3 across[2] = {side, up};
-    add_point_rows(model, link, second->p, slow(second->p), model.options.sole_weight, across, program);
+    add_point_rows(model, link, second->p, slow(second), model.options.sole_weight, across, program);
     if (!third) continue;
     const Vec3 out[1] = {normalized(cross(along, third->p - first->p))};
-    add_point_rows(model, link, third->p, slow(third->p), model.options.sole_weight, out, program);
+    add_point_rows(model, link, third->p, slow(third), model.options.sole_weight, out, program);
   }
 }
 

@@ -31,7 +31,9 @@ struct BalanceOptions {
   double lifting = 0.15;      ///< m/s: no load on a point that, in the reference, rises this much faster than the foot's slowest point
   double lifted = 0.01;       ///< m: no load on a rising point that, in the reference, is this much higher than the foot's lowest point
   double anchor_time = 0.04;  ///< s: time constant with which the anchor follows the foot
+  double ground_time = 0.1;   ///< s: time constant with which the height and the slope of the reference's ground follow the real ground
   double heading_time = 0.2;  ///< s: time constant of the anchor's heading; 0: the heading is not anchored
+  double turn_time = 0.1;     ///< s: time constant with which a foot that turns on the ground follows the heading of its reference
   double shift_growth = 2;    ///< 1/s: assumed growth rate of the DCM error until touch-down; without ankle torques the rate is w0
   double max_transfer = 0.3;  ///< s: maximum duration of the double support in the calculation of how far the next foothold is shifted
   double shift_time = 0.03;   ///< s: time constant with which the shift of the next foothold is updated
@@ -47,8 +49,11 @@ struct BalanceOptions {
   double step_error = 0.06;      ///< m: minimum error of the DCM for a reaction step
   double step_clearance = 0.05;  ///< m: height of a reaction step
   double separation = 0.14;      ///< m: minimum lateral distance of the feet after a reaction step
+  double push_off = 0.1;         ///< body weights: the feet lift to a flight only when the reference needs less ground force
+  double landing = 0.4;          ///< factor on the DCM error in the shift of a landing after a flight
   double early = 0.6;            ///< fraction of the swing after which a touching foot stands
   double early_rate = 1.6, late_rate = 1;  ///< rate of the reference's time after an early touch-down, and while a touch-down is late
+  double limit_time = 0.02;                ///< s: a joint keeps its limits for this time ahead, at constant acceleration
   int limit_rounds = 2;  ///< maximum number of further solutions; each adds the limits that the previous solution exceeds as constraints
   Vec3 gravity{0, 0, -9.81};  ///< m/s^2, world
 };
@@ -71,6 +76,9 @@ struct BalanceState {
   double clock = 0;                  ///< s: time since the controller started
   double trouble = 0;                ///< s: time for which the DCM has been outside the support
   double x = 0, y = 0, heading = 0;  ///< m, rad: displacement of the reference by the anchor
+  double z = 0;                      ///< m: height of the ground under the standing feet minus that in the reference
+  double tilt[2] = {0, 0};           ///< slope of the ground under the standing feet: rise per length along the x and y axes of the world
+  double ground[2] = {0, 0};         ///< m, world: x and y of the point of the ground at which it has the height `z`
   FootState feet[max_feet];
   double multipliers[6] = {0, 0, 0, 0, 0, 0};  ///< multipliers from which the quadratic program starts
 };
@@ -85,11 +93,12 @@ struct BalanceInput {
 
 /// Output of one tick.
 struct BalanceOutput {
-  Vec3 dcm_error;       ///< m, world: DCM minus its reference
-  int iterations = 0;   ///< Newton steps of the quadratic program
-  double residual = 0;  ///< N | N m: error of the equations of motion
-  int limits = 0;       ///< number of torque limits that the planned torques reach
-  bool solved = true;   ///< true: the quadratic program converged
+  Vec3 dcm_error;        ///< m, world: DCM minus its reference
+  int iterations = 0;    ///< Newton steps of the quadratic program
+  double residual = 0;   ///< N | N m: error of the equations of motion
+  int limits = 0;        ///< number of torque limits that the planned torques reach
+  int joint_limits = 0;  ///< number of joint limits that the planned accelerations reach
+  bool solved = true;    ///< true: the quadratic program converged
 };
 
 }  // namespace ugoki::control

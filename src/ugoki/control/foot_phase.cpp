@@ -7,6 +7,10 @@ namespace ugoki::control {
 
 void update_phase(const BalanceModel& model, const GroundSupport& support, double dt, BalanceState& state) {
   state.rate = 1;
+  const double g = norm(model.options.gravity);
+  const double thrust = 1 + model.want_rate.v.z / (model.mechanism->mass() * g);  // body weights: ground force that the reference needs
+  // Before a flight, the feet stay on the ground until the reference needs no more ground force.
+  const bool pushes_off = thrust > model.options.push_off && model.schedule.flight(state.time);
   for (std::size_t f = 0; f < model.feet.size(); ++f) {
     BalanceState::FootState& foot = state.feet[f];
     const ScheduledFoot planned = model.schedule.at(f, state.time);
@@ -14,9 +18,8 @@ void update_phase(const BalanceModel& model, const GroundSupport& support, doubl
     if (foot.stands) {
       foot.lost = support.touching(f) > 0 ? 0 : foot.lost + dt;
       if (planned.stands) foot.early = 0;
-      if ((!planned.stands && !foot.early) || foot.lost > 0.02) {
-        model.lift(f, state);
-      }
+      const bool lifts = !planned.stands && !foot.early && !pushes_off;
+      if (lifts || foot.lost > 0.02) model.lift(f, state);
     } else if (foot.reacts) {
       if (!planned.stands || state.clock > foot.begin + foot.length + 0.3)
         foot.reacts = 0;  // the step ends: the reference lifts the foot, or the foot is pressed down until it touches the ground
@@ -42,6 +45,12 @@ void update_phase(const BalanceModel& model, const GroundSupport& support, doubl
   for (std::size_t f = 0; f < model.feet.size(); ++f)
     if (!state.feet[f].stands && !state.feet[f].reacts && model.schedule.at(f, state.time).stands) state.rate = model.options.late_rate;
   state.started = 1;
+  if (const Flight* flight = model.flight(state)) {
+    // The reference lands when the character lands: its time runs so that both flights end together.
+    const double fall = model.centroid.centre.z - model.floor - state.z - flight->landing, v = model.centroid.velocity.z;
+    const double rest = (v + std::sqrt(std::max(0.0, v * v + 2 * g * fall))) / g;
+    state.rate = std::clamp((flight->end - state.time) / std::max(rest, dt), 0.5, 2.0);
+  }
 }
 
 }  // namespace ugoki::control

@@ -15,7 +15,7 @@ double transfer_factor(double x) { return x < 1e-3 ? 1 + 0.5 * x : x * exp(x) / 
 
 }  // namespace
 
-void StepPlanner::start_reaction(const BalanceModel& model, GroundSupport& support, const BalanceInput& in, BalanceState& state) {
+void StepPlanner::start_reaction(const BalanceModel& model, GroundSupport& support, double dt, BalanceState& state) {
   bool all_stand = true;
   double next_lift = 1e300;
   for (std::size_t f = 0; f < model.feet.size(); ++f) {
@@ -31,9 +31,9 @@ void StepPlanner::start_reaction(const BalanceModel& model, GroundSupport& suppo
              wanted = horizontal(model.want.centre + model.want.velocity / model.w0);
   const Vec3 error = dcm - wanted;
   Vec3 edge;
-  const double margin = support.distance_to_edge(model, -1, in, state, dcm, edge);
+  const double margin = support.distance_to_edge(-1, state, dcm, edge);
   state.trouble = margin < -model.options.step_margin * norm(horizontal(model.want.velocity)) && norm(error) > model.options.step_error
-                      ? state.trouble + in.dt
+                      ? state.trouble + dt
                       : 0;
   const Vec3 left = model.left();
   const auto place = [&](std::size_t f) { return horizontal(model.sole(f)); };
@@ -46,7 +46,7 @@ void StepPlanner::start_reaction(const BalanceModel& model, GroundSupport& suppo
   for (std::size_t f = 0; f < 2; ++f) {
     const std::size_t other = 1 - f;
     Vec3 p;
-    support.distance_to_edge(model, static_cast<int>(other), in, state, dcm, p);
+    support.distance_to_edge(static_cast<int>(other), state, dcm, p);
     Vec3 shift = p + (dcm - p) * grow - wanted - offset(other);  // m, relative to the reference as displaced to the other, standing foot
     // The feet must not cross.
     const double side = f == model.left_foot ? 1 : -1;
@@ -72,8 +72,7 @@ void StepPlanner::start_reaction(const BalanceModel& model, GroundSupport& suppo
   state.trouble = 0;
 }
 
-void StepPlanner::update_shifts(const BalanceModel& model, GroundSupport& support, const BalanceInput& in, const Vec3& dcm_error,
-                                BalanceState& state) {
+void StepPlanner::update_shifts(const BalanceModel& model, GroundSupport& support, double dt, const Vec3& dcm_error, BalanceState& state) {
   for (std::size_t f = 0; f < model.feet.size(); ++f) {
     BalanceState::FootState& foot = state.feet[f];
     const ScheduledFoot planned = model.schedule.at(f, state.time);
@@ -88,7 +87,7 @@ void StepPlanner::update_shifts(const BalanceModel& model, GroundSupport& suppor
     if (foot.reacts) {  // DCM of an inverted pendulum on p, the point of the support closest to the DCM
       const Vec3 dcm = horizontal(model.centroid.centre + model.centroid.velocity / model.w0);
       Vec3 p;
-      if (support.distance_to_edge(model, -1, in, state, dcm, p) < -1e2) continue;  // no foot stands
+      if (support.distance_to_edge(-1, state, dcm, p) < -1e2) continue;  // no foot stands
       Vec3 shift = dcm_error + (dcm - p) * (exp(model.w0 * rest) - 1);
       if (norm(shift) > model.options.max_shift) shift = shift * (model.options.max_shift / norm(shift));
       const Vec3 left = model.left();
@@ -96,13 +95,14 @@ void StepPlanner::update_shifts(const BalanceModel& model, GroundSupport& suppor
       const double side = f == model.left_foot ? 1 : -1;
       const double apart = side * dot(horizontal(model.reference_sole(f)) + shift - other, left);
       if (apart < model.options.separation) shift += left * (side * (model.options.separation - apart));
-      for (int k = 0; k < 2; ++k) foot.shift[k] += (shift[k] - foot.shift[k]) * std::min(1.0, in.dt / model.options.shift_time);
+      for (int k = 0; k < 2; ++k) foot.shift[k] += (shift[k] - foot.shift[k]) * std::min(1.0, dt / model.options.shift_time);
       continue;
     }
-    Vec3 shift = dcm_error * (exp(model.options.shift_growth * rest) *
-                              transfer_factor(model.w0 * std::min(double_support, model.options.max_transfer)));
+    Vec3 shift = model.flight(state) ? dcm_error * model.options.landing + horizontal(model.centroid.velocity - model.want.velocity) * rest
+                                     : dcm_error * (exp(model.options.shift_growth * rest) *
+                                                    transfer_factor(model.w0 * std::min(double_support, model.options.max_transfer)));
     if (norm(shift) > model.options.max_shift) shift = shift * (model.options.max_shift / norm(shift));
-    for (int k = 0; k < 2; ++k) foot.shift[k] += (shift[k] - foot.shift[k]) * std::min(1.0, in.dt / model.options.shift_time);
+    for (int k = 0; k < 2; ++k) foot.shift[k] += (shift[k] - foot.shift[k]) * std::min(1.0, dt / model.options.shift_time);
   }
 }
 

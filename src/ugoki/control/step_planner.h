@@ -10,10 +10,9 @@ namespace ugoki::control {
 class StepPlanner {
  public:
   /// Starts a reaction step if the reference stands and the DCM has left the support.
-  void start_reaction(const BalanceModel& model, GroundSupport& support, const BalanceInput& input, BalanceState& state);
+  void start_reaction(const BalanceModel& model, GroundSupport& support, double dt, BalanceState& state);
   /// Updates the shifts of the next touch-downs. @param dcm_error m, world: DCM minus its reference
-  void update_shifts(const BalanceModel& model, GroundSupport& support, const BalanceInput& input, const Vec3& dcm_error,
-                     BalanceState& state);
+  void update_shifts(const BalanceModel& model, GroundSupport& support, double dt, const Vec3& dcm_error, BalanceState& state);
 };
 
 }  // namespace ugoki::control
