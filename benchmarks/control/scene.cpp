@@ -110,7 +110,7 @@ Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::
     for (std::size_t f = 0; f < control.feet().size(); ++f) {
       std::printf("foot %s: stands", m.link(control.feet()[f].link).name.c_str());
       for (const control::Stance& s : control.schedule().stances(f)) std::printf(" %.2f-%.2f", s.begin, s.end);
-      std::printf("; turns");
+      std::printf("; %zu links, %zu points; turns", control.feet()[f].parts.size(), control.feet()[f].points.size());
       for (const control::Stance& s : control.schedule().turns(f)) std::printf(" %.2f-%.2f", s.begin, s.end);
       std::printf("\n");
     }

@@ -82,7 +82,8 @@ void StepPlanner::update_shifts(const BalanceModel& model, GroundSupport& suppor
     for (std::size_t other = 0; other < model.feet.size(); ++other) {
       if (other == f) continue;
       const ScheduledFoot next = model.schedule.at(other, planned.end);
-      if (next.stands && std::isfinite(next.end)) double_support = std::max(double_support, next.end - planned.end);
+      // Only feet that stand already carry load until they lift. In a trot, two feet land together.
+      if (next.stands && next.begin <= state.time && std::isfinite(next.end)) double_support = std::max(double_support, next.end - planned.end);
     }
     if (foot.reacts) {  // DCM of an inverted pendulum on p, the point of the support closest to the DCM
       const Vec3 dcm = horizontal(model.centroid.centre + model.centroid.velocity / model.w0);
