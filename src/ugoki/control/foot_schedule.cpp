@@ -10,13 +10,6 @@
 namespace ugoki::control {
 namespace {
 std::size_t idx(int i) { return static_cast<std::size_t>(i); }
-
-/// Height of the centre of mass, m.
-double centre_height(const Mechanism& m, std::span<const Pose> X) {
-  double sum = 0;
-  for (int i = 0; i < m.link_count(); ++i) sum += m.link(i).inertia.mass * (X[idx(i)] * m.link(i).inertia.centre()).z;
-  return sum / m.mass();
-}
 }  // namespace
 
 std::vector<Foot> feet_of(const Mechanism& m) {
@@ -87,7 +80,7 @@ FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const
     for (int f = from; f < to; ++f) {
       motion.sample(f / rate, q, v, a);
       calc_poses(m, q, all);
-      height[idx(f)] = centre_height(m, all) - floor;
+      height[idx(f)] = centre_of_mass(m, all).z - floor;
       for (std::size_t i = 0; i < parts.size(); ++i) poses[idx(f - from)][i] = all[idx(parts[i])];
     }
     for (std::size_t k = 0; k < feet.size(); ++k) {
