@@ -18,7 +18,9 @@ constexpr const char* usage =
     "usage: ugoki_control_bench [options] [files and sample motions]\n"
     "  files: BVH or AMC; sample motions: sample-stand, sample-walk, sample-dog-stand, sample-dog-trot\n"
     "  --loop SECONDS       make each motion cyclic and repeat it\n"
-    "  --push J             push rose: impulse J per mass (N s/kg) in 0.2 s at the chest, 8 directions, 4 phases; needs --loop\n"
+    "  --push J             push rose: impulse J per mass (N s/kg) in 0.2 s at the chest, 8 directions; needs --loop\n"
+    "  --phases N           number of phases of the cycle for --push (default 4)\n"
+    "  --slope DEGREES, --steps M, --tiles M   terrain that the reference does not contain\n"
     "  --one TIME ANGLE J   one push with impulse J per mass (N s/kg) at TIME (s) towards ANGLE (degrees)\n"
     "  --friction MU        friction of the floor (default 0.9)\n"
     "  --self               collisions between the links of the character\n"
@@ -28,6 +30,7 @@ constexpr const char* usage =
 struct Options {
   bench::RunSettings settings;
   double loop = 0, rose = 0, one = 0;
+  int phases = 4;
   std::vector<std::string> files;
 };
 
@@ -58,6 +61,23 @@ std::vector<std::pair<std::string, double*>> parameters(control::BalanceOptions&
           {"early-rate", &o.early_rate},
           {"early", &o.early},
           {"hurry", &o.hurry},
+          {"landing", &o.landing},
+          {"push-off", &o.push_off},
+          {"limit-time", &o.limit_time},
+          {"turn-time", &o.turn_time},
+          {"ground-time", &o.ground_time},
+          {"momentum-gain", &o.momentum_gain},
+          {"chest-weight", &o.chest_weight},
+          {"swing-weight", &o.swing_weight},
+          {"sole-damping", &o.sole_damping},
+          {"lifted", &o.lifted},
+          {"max-shift", &o.max_shift},
+          {"shift-time", &o.shift_time},
+          {"separation", &o.separation},
+          {"step-delay", &o.step_delay},
+          {"step-clearance", &o.step_clearance},
+          {"max-hurry", &o.max_hurry},
+          {"hurry-from", &o.hurry_from},
           {"step-time", &o.step_time},
           {"step-margin", &o.step_margin},
           {"step-error", &o.step_error}};
@@ -77,6 +97,14 @@ bool parse(int argc, char** argv, Options& o) {
       o.settings.friction = number();
     } else if (a == "--push") {
       o.rose = number();
+    } else if (a == "--phases") {
+      o.phases = std::max(1, static_cast<int>(number()));
+    } else if (a == "--slope") {
+      o.settings.terrain.slope = number();
+    } else if (a == "--steps") {
+      o.settings.terrain.steps = number();
+    } else if (a == "--tiles") {
+      o.settings.terrain.tiles = number();
     } else if (a == "--one") {
       o.settings.push.time = number();
       const double angle = number() * pi / 180;
@@ -111,11 +139,11 @@ void run_rose(const bench::ClipFile& clip, const Motion& motion, const std::shar
               const Options& o) {
   int stood = 0, tries = 0;
   std::string marks;
-  for (int direction = 0; direction < 8; ++direction)
-    for (int phase = 0; phase < 4; ++phase) {
+  for (int direction = 0; direction < 8; ++direction) {
+    for (int phase = 0; phase < o.phases; ++phase) {
       bench::RunSettings s = o.settings;
       const double angle = pi * direction / 4, cycle = motion.duration(), force = o.rose * clip.mechanism->mass() / s.push.duration;
-      s.push.time = 3 * cycle + phase * cycle / 4;
+      s.push.time = 3 * cycle + phase * cycle / o.phases;
       s.push.force = Vec3{ugoki::cos(angle), ugoki::sin(angle), 0} * force;
       s.duration = s.push.time + 6;
       const bool fell = bench::run(clip.mechanism, reference, s).fell;
@@ -123,6 +151,8 @@ void run_rose(const bench::ClipFile& clip, const Motion& motion, const std::shar
       stood += fell ? 0 : 1;
       marks += fell ? 'x' : '.';
     }
+    marks += ' ';
+  }
   std::printf("%-18s %.2f N s/kg: %d / %d  %s\n", clip.name.c_str(), o.rose, stood, tries, marks.c_str());
 }
 
@@ -156,10 +186,12 @@ int main(int argc, char** argv) {
     s.push.force = s.push.force * (o.one * clip->mechanism->mass() / s.push.duration);
     const bench::Outcome r = bench::run(clip->mechanism, reference, s);
     std::printf(
-        "%-18s %s %6.2f / %6.2f s  tracking %5.2f deg  slip mean %.2f worst %.2f cm  control %5.1f us total %5.1f us (%.1f x real time)  "
+        "%-18s %s %6.2f / %6.2f s  tracking %5.2f deg  slip mean %.2f worst %.2f cm  depth %.1f mm  travel %.1f m  control %5.1f us total "
+        "%5.1f us (%.1f x real time)  "
         "iterations %d unsolved %d  state %016llx\n",
         clip->name.c_str(), r.fell ? "FELL " : "whole", r.time, reference->end(), r.tracking_deg, r.slip_mean_cm, r.slip_worst_cm,
-        r.control_us, r.total_us, 1e6 * s.dt / r.total_us, r.max_iterations, r.unsolved, static_cast<unsigned long long>(r.hash));
+        r.penetration_mm, r.travel, r.control_us, r.total_us, 1e6 * s.dt / r.total_us, r.max_iterations, r.unsolved,
+        static_cast<unsigned long long>(r.hash));
   }
   return 0;
 }

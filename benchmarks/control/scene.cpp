@@ -73,25 +73,47 @@ void MotionReference::sample(double t, std::span<double> q, std::span<double> v,
 
 Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::ReferenceMotion>& reference, const RunSettings& settings) {
   const Mechanism& m = *mechanism;
+  State state(m);
+  std::vector<double> a(state.v.size()), error(state.v.size());
+  std::vector<MechanismPtr> systems{mechanism};
   collision::Ground ground;
   ground.friction = settings.friction;
+  if (!settings.terrain.level()) {
+    reference->sample(reference->end(), state.q, state.v, a);
+    const Vec3 last{state.q[0], state.q[1], 0};
+    reference->sample(0, state.q, state.v, a);
+    const Vec3 start{state.q[0], state.q[1], 0};
+    systems.push_back(
+        make_terrain(settings.terrain, start, normalized(last - start, {1, 0, 0}), norm(last - start) + 5, settings.friction));
+    ground.height = -1000;
+  }
+  reference->sample(0, state.q, state.v, a);
+  const Vec3 start{state.q[0], state.q[1], 0};
   collision::SceneOptions scene_options;
   scene_options.self_collision = settings.self_collision;
-  collision::Scene scene({mechanism}, ground, scene_options);
+  collision::Scene scene(systems, ground, scene_options);
   collision::Workspace workspace(scene);
-  contact::Stepper stepper({mechanism}, {});
+  contact::Stepper stepper(systems, {});
   contact::GuardedStep guard(scene, stepper);
   control::BalanceControl control(mechanism, reference, settings.control);
   control::BalanceState memory;
-  State state(m);
-  std::vector<double> a(state.v.size()), error(state.v.size());
-  reference->sample(0, state.q, state.v, a);
   std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
+  const std::vector<Pose> fixed(1);
+  std::vector<std::span<const Pose>> poses{X};
+  if (systems.size() > 1) poses.push_back(fixed);
   std::vector<collision::ContactPoint> contacts;
   int chest = 0;
   for (int i = 0; i < m.link_count(); ++i)
     if (m.link(i).label == "chest") chest = i;
   Outcome out;
+  if (settings.trace)
+    for (std::size_t f = 0; f < control.feet().size(); ++f) {
+      std::printf("foot %s: stands", m.link(control.feet()[f].link).name.c_str());
+      for (const control::Stance& s : control.schedule().stances(f)) std::printf(" %.2f-%.2f", s.begin, s.end);
+      std::printf("; %zu links, %zu points; turns", control.feet()[f].parts.size(), control.feet()[f].points.size());
+      for (const control::Stance& s : control.schedule().turns(f)) std::printf(" %.2f-%.2f", s.begin, s.end);
+      std::printf("\n");
+    }
   double square = 0, count = 0;
   const double end = std::min(settings.duration, reference->end());
   const auto ticks = static_cast<long>(std::floor(end / settings.dt + 1e-9));
@@ -111,9 +133,8 @@ Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::
     if (memory.time >= reference->end()) break;
     const double t0 = processor_time();
     calc_poses(m, state.q, X);
-    const std::span<const Pose> poses(X);
     workspace.forget();
-    collision::find_contacts(scene, std::span(&poses, 1), 0.02, workspace, contacts);
+    collision::find_contacts(scene, poses, 0.02, workspace, contacts);
     const double t1 = processor_time();
     const control::BalanceOutput result = control.step({state.q, state.v, contacts, 0, settings.dt}, memory, state.tau);
     const double t2 = processor_time();
@@ -124,15 +145,16 @@ Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::
       const Vec3 p = X[static_cast<std::size_t>(chest)] * m.link(chest).inertia.centre();
       state.external[static_cast<std::size_t>(chest)] = {cross(p, settings.push.force), settings.push.force};
     }
-    contact::StepSystem system{state.q, state.v, state.tau, state.external, {}, {}};
+    contact::StepSystem stepped[2] = {{state.q, state.v, state.tau, state.external, {}, {}}, {}};
     guard.forget();
-    const contact::StepReport report = guard.step(std::span(&system, 1), contacts, settings.dt);
+    const contact::StepReport report = guard.step(std::span(stepped).first(systems.size()), contacts, settings.dt);
     total_time += processor_time() - t0;
     control_time += t2 - t1;
     if (report.status != contact::StepStatus::ok) {
       out.fell = true;
       break;
     }
+    for (const collision::ContactPoint& c : contacts) out.penetration_mm = std::max(out.penetration_mm, -1e3 * c.distance);
     difference(m, state.q, control.reference(), error);
     for (int i = 1; i < m.link_count(); ++i) {
       const Link& link = m.link(i);
@@ -186,6 +208,7 @@ Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::
       break;
     }
   }
+  out.travel = std::hypot(state.q[0] - start.x, state.q[1] - start.y);
   out.time = static_cast<double>(k) * settings.dt;
   if (settings.trace)
     for (int i = 1; i < m.link_count(); ++i)

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "terrain.h"
 #include "ugoki/base/result.h"
 #include "ugoki/contact/guarded_step.h"
 #include "ugoki/control/balance_control.h"
@@ -47,6 +48,8 @@ struct Outcome {
   double tracking_deg = 0;                     ///< degrees, rms tracking error of the joints
   double control_us = 0, total_us = 0;         ///< us, mean processor time per tick
   double slip_worst_cm = 0, slip_mean_cm = 0;  ///< cm, net slip of a stance: maximum and mean
+  double penetration_mm = 0;                   ///< mm: maximum depth of a foot below the ground
+  double travel = 0;                           ///< m: horizontal distance of the root from its start
   int max_iterations = 0, unsolved = 0;        ///< maximum Newton steps of the quadratic program; ticks in which it did not converge
   std::uint64_t hash = 0;                      ///< hash of the final positions
 };
@@ -55,6 +58,7 @@ struct RunSettings {
   double dt = 0.002, duration = 1e9;
   double friction = 0.9;
   bool self_collision = false;
+  Terrain terrain;
   Push push;
   control::BalanceOptions control;
   bool trace = false;  ///< print the state every 0.05 s

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "ugoki/mechanism/state.h"
+#include "ugoki/spatial/elementary.h"
 
 namespace ugoki::control {
 namespace {
@@ -46,13 +47,15 @@ std::vector<Foot> feet_of(const Mechanism& m) {
 }
 
 FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const ReferenceMotion& motion, double floor, double rate)
-    : stances_(feet.size()) {
+    : stances_(feet.size()), turns_(feet.size()) {
   const int frames = std::max(1, static_cast<int>(std::floor(motion.end() * rate))) + 1;
   const int margin = static_cast<int>(rate), part = 20 * margin;  // frames: the motion is labelled in parts of 20 s, with 1 s around each
   std::vector<double> q(idx(m.nq())), v(idx(m.nv())), a(v.size());
   std::vector<int> parts;  // links whose poses are kept: only the feet
   std::vector<std::vector<LinkPoint>> points;
+  std::vector<std::size_t> first_part;  // [feet] index of the foot's link in `parts`
   for (const Foot& foot : feet) {
+    first_part.push_back(parts.size());
     points.push_back(foot.points);
     for (LinkPoint& p : points.back()) {
       const auto found = std::find(foot.parts.begin(), foot.parts.end(), p.link);
@@ -67,6 +70,8 @@ FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const
   options.height_off = 0.03;
   options.speed_off = 0.6;
   std::vector<std::vector<std::uint8_t>> on(feet.size(), std::vector<std::uint8_t>(idx(frames)));
+  std::vector<std::vector<double>> yaw_rate(feet.size(), std::vector<double>(idx(frames)));  // rad/s
+  std::vector<double> height(idx(frames));                                                   // m, of the centre of mass
   std::vector<Pose> all(idx(m.link_count()));
   std::vector<std::vector<Pose>> poses;
   for (int first = 0; first < frames; first += part) {
@@ -75,11 +80,17 @@ FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const
     for (int f = from; f < to; ++f) {
       motion.sample(f / rate, q, v, a);
       calc_poses(m, q, all);
+      height[idx(f)] = centre_of_mass(m, all).z - floor;
       for (std::size_t i = 0; i < parts.size(); ++i) poses[idx(f - from)][i] = all[idx(parts[i])];
     }
     for (std::size_t k = 0; k < feet.size(); ++k) {
       const std::vector<std::uint8_t> found = find_contact(poses, rate, points[k], options);
-      for (int f = first; f < std::min(frames, first + part); ++f) on[k][idx(f)] = found[idx(f - from)];
+      const std::size_t sole = first_part[k];
+      for (int f = first; f < std::min(frames, first + part); ++f) {
+        on[k][idx(f)] = found[idx(f - from)];
+        const Mat3 &now = poses[idx(f - from)][sole].R, &next = poses[idx(std::min(f + 1, to - 1) - from)][sole].R;
+        yaw_rate[k][idx(f)] = log_map(to_quat(next * now.transposed())).z * rate;
+      }
     }
   }
   const double infinity = std::numeric_limits<double>::infinity();
@@ -90,6 +101,42 @@ FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const
       if (on[k][idx(f)]) stances_[k].push_back({f == 0 ? -infinity : f / rate, to == frames ? infinity : to / rate});
       f = to;
     }
+  find_flights(on, height, rate);
+  for (std::size_t k = 0; k < feet.size(); ++k) find_turns(k, on[k], yaw_rate[k], rate);
+}
+
+void FootSchedule::find_turns(std::size_t foot, std::span<const std::uint8_t> stands, std::span<const double> yaw_rate, double rate) {
+  constexpr double min_rate = 0.5, min_angle = 0.35;  // rad/s, rad: feet in the stance of recorded walks turn by less
+  const auto turning = [&](std::size_t f) { return stands[f] && std::fabs(yaw_rate[f]) > min_rate; };
+  for (std::size_t f = 0; f < stands.size();) {
+    std::size_t to = f;
+    double angle = 0;
+    for (; to < stands.size() && turning(to) && yaw_rate[to] * yaw_rate[f] > 0; ++to) angle += yaw_rate[to] / rate;
+    if (std::fabs(angle) > min_angle) turns_[foot].push_back({static_cast<double>(f) / rate, static_cast<double>(to) / rate});
+    f = std::max(to, f + 1);
+  }
+}
+
+void FootSchedule::find_flights(std::span<const std::vector<std::uint8_t>> on, std::span<const double> height, double rate) {
+  const auto in_air = [&](std::size_t f) { return std::ranges::none_of(on, [&](const auto& foot) { return foot[f] != 0; }); };
+  for (std::size_t f = 0; f < height.size();) {
+    std::size_t to = f;
+    while (to < height.size() && in_air(to)) ++to;
+    if (to > f && f > 0 && to < height.size())
+      flights_.push_back({static_cast<double>(f) / rate, static_cast<double>(to) / rate, height[to]});
+    f = std::max(to, f + 1);
+  }
+}
+
+const Flight* FootSchedule::flight(double t) const {
+  const auto next = std::upper_bound(flights_.begin(), flights_.end(), t, [](double time, const Flight& f) { return time < f.begin; });
+  return next != flights_.begin() && t < (next - 1)->end ? &*(next - 1) : nullptr;
+}
+
+bool FootSchedule::turns(std::size_t foot, double t) const {
+  const std::vector<Stance>& list = turns_[foot];
+  const auto next = std::upper_bound(list.begin(), list.end(), t, [](double time, const Stance& s) { return time < s.begin; });
+  return next != list.begin() && t < (next - 1)->end;
 }
 
 ScheduledFoot FootSchedule::at(std::size_t foot, double t) const {

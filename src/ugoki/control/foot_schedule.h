@@ -1,6 +1,7 @@
 #pragma once
 // The feet of a mechanism, and the times at which each foot stands in a reference motion.
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -42,16 +43,34 @@ struct ScheduledFoot {
   double end = 0;    ///< s: end of the present stance or swing; infinity if no stance or swing follows
 };
 
+/// A time interval in which no foot stands.
+struct Flight {
+  double begin = 0, end = 0;  ///< s
+  double landing = 0;         ///< m: height of the centre of mass above the floor at the end
+};
+
 /// Stances of all feet over a reference motion.
 class FootSchedule {
  public:
   /// Samples the motion at `rate` [Hz] and labels the contacts with the floor. O(duration).
   FootSchedule(const Mechanism& mechanism, std::span<const Foot> feet, const ReferenceMotion& motion, double floor, double rate = 120);
   [[nodiscard]] ScheduledFoot at(std::size_t foot, double t) const;
+  /// True if the foot turns about a vertical axis on the ground at time t [s], for example in a pirouette.
+  [[nodiscard]] bool turns(std::size_t foot, double t) const;
+  /// Intervals in which the foot stands and turns about a vertical axis by more than 20 degrees in one direction.
+  [[nodiscard]] std::span<const Stance> turns(std::size_t foot) const { return turns_[foot]; }
+  /// Flight at time t [s]; null: a foot stands.
+  [[nodiscard]] const Flight* flight(double t) const;
+  [[nodiscard]] std::span<const Flight> flights() const { return flights_; }
   [[nodiscard]] std::span<const Stance> stances(std::size_t foot) const { return stances_[foot]; }
 
  private:
-  std::vector<std::vector<Stance>> stances_;  // [feet], sorted
+  void find_turns(std::size_t foot, std::span<const std::uint8_t> stands, std::span<const double> yaw_rate, double rate);
+
+  void find_flights(std::span<const std::vector<std::uint8_t>> on, std::span<const double> height, double rate);
+
+  std::vector<Flight> flights_;                       // sorted
+  std::vector<std::vector<Stance>> stances_, turns_;  // [feet], sorted
 };
 
 }  // namespace ugoki::control

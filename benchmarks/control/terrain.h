@@ -1,0 +1,21 @@
+#pragma once
+// Ground shapes that a reference motion does not contain: slopes, steps, tiles.
+
+#include "ugoki/mechanism/mechanism.h"
+
+namespace ugoki::bench {
+
+/// Shape of the ground. At most one of the members differs from zero.
+struct Terrain {
+  double slope = 0;  ///< degrees: slope along the walk, positive upwards, from 1 m in front of the start
+  double steps = 0;  ///< m: platforms of this height and 1.5 m length alternate with the level ground
+  double tiles = 0;  ///< m: tiles of 0.5 m x 0.5 m have random heights of up to +- this value
+  [[nodiscard]] bool level() const { return slope == 0 && steps == 0 && tiles == 0; }
+};
+
+/// Returns fixed boxes that form the terrain. Around `start` the terrain is level at height 0.
+/// @param start m, world @param direction unit, horizontal: direction of the walk @param length m: length of the terrain
+/// @param friction Coulomb coefficient
+MechanismPtr make_terrain(const Terrain& terrain, const Vec3& start, const Vec3& direction, double length, double friction);
+
+}  // namespace ugoki::bench

@@ -1,0 +1,85 @@
+#include "ugoki/control/balance_model.h"
+
+#include "ugoki/base/check.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/motion/clip.h"
+#include "ugoki/spatial/elementary.h"
+
+namespace ugoki::control {
+namespace {
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+}  // namespace
+
+SmoothStep smooth_step(double x) {
+  if (x <= 0) return {0, 0, 0};
+  if (x >= 1) return {1, 0, 0};
+  return {x * x * x * (10 + x * (6 * x - 15)), 30 * x * x * (1 - x) * (1 - x), 60 * x * (1 - x) * (1 - 2 * x)};
+}
+
+BalanceModel::BalanceModel(MechanismPtr m, std::shared_ptr<const ReferenceMotion> reference, const BalanceOptions& settings, double ground)
+    : mechanism(std::move(m)),
+      motion(std::move(reference)),
+      options(settings),
+      feet(feet_of(*mechanism)),
+      schedule(*mechanism, feet, *motion, ground),
+      floor(ground),
+      now(*mechanism),
+      ref(*mechanism) {
+  UGOKI_CHECK(mechanism->link_count() > 0 && mechanism->link(0).joint.type == JointType::floating);
+  UGOKI_CHECK(feet.size() <= BalanceState::max_feet);
+  const auto nv = at(mechanism->nv());
+  q_ref.resize(at(mechanism->nq()));
+  v_ref.resize(nv);
+  a_ref.resize(nv);
+  is_leg.resize(nv);
+  part_of.assign(at(mechanism->link_count()), -1);
+  for (std::size_t f = 0; f < feet.size(); ++f) {
+    for (const int d : feet[f].dofs) is_leg[at(d)] = 1;
+    for (const int link : feet[f].parts) part_of[at(link)] = static_cast<int>(f);
+  }
+  for (int i = 0; i < mechanism->link_count(); ++i)
+    if (mechanism->link(i).label == "chest") chest = i;
+  std::vector<Pose> X(at(mechanism->link_count()));
+  calc_poses(*mechanism, mechanism->neutral(), X);
+  rest_pelvis = X[0].R;
+  for (std::size_t f = 1; f < feet.size(); ++f)
+    if (X[link_of(f)].p.y > X[link_of(left_foot)].p.y) left_foot = f;
+}
+
+void BalanceModel::sample_reference(const BalanceState& state) {
+  const Mechanism& m = *mechanism;
+  motion->sample(state.time, q_ref, v_ref, a_ref);
+  displace_root(m, {state.x, state.y, state.z, state.heading}, q_ref);
+  const Joint& root = m.link(0).joint;
+  const Mat3 turn = root.X_PJ.R.transposed() * rotation_about({0, 0, 1}, state.heading) * root.X_PJ.R;
+  for (std::vector<double>* x : {&v_ref, &a_ref}) {
+    const Vec3 linear = turn * Vec3{(*x)[3], (*x)[4], (*x)[5]};
+    for (int k = 0; k < 3; ++k) (*x)[at(3 + k)] = linear[k];
+  }
+  for (double& v : v_ref) v *= state.rate;
+  for (double& a : a_ref) a *= state.rate * state.rate;
+  dynamics::update_kinematics(m, q_ref, v_ref, ref);
+  // The wanted velocity of the centre of mass is the velocity at rate 1, also while the time of the reference runs faster or slower.
+  want = dynamics::calc_centroidal(m, ref);
+  want_rate = dynamics::calc_centroidal_momentum_rate(m, ref, a_ref) * (1 / (state.rate * state.rate));
+  want.velocity = want.velocity / state.rate;
+  want.momentum = want.momentum * (1 / state.rate);
+}
+
+Vec3 BalanceModel::left() const { return normalized(horizontal(now.X_WB[0].R * transpose_times(rest_pelvis, Vec3{0, 1, 0})), {0, 1, 0}); }
+
+const Flight* BalanceModel::flight(const BalanceState& state) const {
+  for (std::size_t f = 0; f < feet.size(); ++f)
+    if (state.feet[f].stands) return nullptr;
+  return schedule.flight(state.time);
+}
+
+void BalanceModel::lift(std::size_t f, BalanceState& state) const {
+  BalanceState::FootState& foot = state.feet[f];
+  foot.stands = foot.early = foot.reacts = 0;
+  const Vec3 p = sole(f) - reference_sole(f);
+  for (int k = 0; k < 3; ++k) foot.offset[k] = p[k];
+  foot.shift[0] = foot.shift[1] = 0;
+}
+
+}  // namespace ugoki::control

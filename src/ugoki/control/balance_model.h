@@ -1,0 +1,67 @@
+#pragma once
+// The character and its reference motion, as all stages of balance control see them.
+
+#include <memory>
+#include <vector>
+
+#include "ugoki/control/balance_types.h"
+#include "ugoki/control/foot_schedule.h"
+#include "ugoki/dynamics/centroidal.h"
+#include "ugoki/dynamics/dynamics.h"
+
+namespace ugoki::control {
+
+/// Smooth step from 0 to 1 and its first two derivatives.
+struct SmoothStep {
+  double value = 0, rate = 0, acceleration = 0;
+};
+/// Quintic smooth step at x; constant below 0 and above 1.
+[[nodiscard]] SmoothStep smooth_step(double x);
+
+/// Horizontal part of a vector.
+[[nodiscard]] inline Vec3 horizontal(const Vec3& x) { return {x.x, x.y, 0}; }
+
+/// Data of a character that do not change, and the kinematics of the character and of its reference in the present tick.
+struct BalanceModel {
+  BalanceModel(MechanismPtr mechanism, std::shared_ptr<const ReferenceMotion> motion, const BalanceOptions& options, double floor);
+
+  /// Samples the reference at state.time, displaced by the anchor of `state`, and computes its kinematics.
+  void sample_reference(const BalanceState& state);
+  /// m, world: centre of the sole of a foot.
+  [[nodiscard]] Vec3 sole(std::size_t foot) const { return now.X_WB[link_of(foot)] * feet[foot].sole; }
+  /// m, world: centre of the sole of a foot of the reference.
+  [[nodiscard]] Vec3 reference_sole(std::size_t foot) const { return ref.X_WB[link_of(foot)] * feet[foot].sole; }
+  /// m: height of the ground at p above the ground at the standing feet, if the ground continues with the same slope.
+  [[nodiscard]] double ground_rise(const BalanceState& state, const Vec3& p) const {
+    return state.tilt[0] * (p.x - state.ground[0]) + state.tilt[1] * (p.y - state.ground[1]);
+  }
+  /// Unit, horizontal: direction to the left of the pelvis. In the neutral position, the pelvis faces x and its left is y.
+  [[nodiscard]] Vec3 left() const;
+  /// Flight of the reference, if no foot of the character stands either; otherwise null.
+  [[nodiscard]] const Flight* flight(const BalanceState& state) const;
+  /// Removes a foot from the ground: it begins a swing at its present position.
+  void lift(std::size_t foot, BalanceState& state) const;
+
+  MechanismPtr mechanism;
+  std::shared_ptr<const ReferenceMotion> motion;
+  BalanceOptions options;
+  std::vector<Foot> feet;
+  FootSchedule schedule;
+  double floor = 0;                   // m
+  int chest = -1;                     // link; -1: none
+  std::vector<unsigned char> is_leg;  // [nv]
+  std::vector<int> part_of;           // [links] index of the foot that contains the link; -1: none
+  std::size_t left_foot = 0;
+  Mat3 rest_pelvis;  // orientation of the root link in the neutral position
+
+  dynamics::Workspace now, ref;             // kinematics of the character and of the reference
+  std::vector<double> q_ref, v_ref, a_ref;  // [nq], [nv], [nv] reference
+  dynamics::Centroidal centroid, want;      // of the character and of the reference
+  Vec6 want_rate;                           // rate of change of the reference's centroidal momentum
+  double w0 = 0;                            // 1/s: sqrt(g / height of the centre of mass)
+
+ private:
+  [[nodiscard]] std::size_t link_of(std::size_t foot) const { return static_cast<std::size_t>(feet[foot].link); }
+};
+
+}  // namespace ugoki::control

@@ -1,0 +1,104 @@
+#pragma once
+// Parameters, state, input and output of balance control (balance_control.h).
+
+#include <cstdint>
+#include <span>
+
+#include "ugoki/collision/contact_point.h"
+#include "ugoki/spatial/vec3.h"
+
+namespace ugoki::control {
+
+/// Parameters of the controller. Members named ..._weight are the cost of a squared acceleration error, in (m/s^2)^-2 or (rad/s^2)^-2.
+struct BalanceOptions {
+  double com_gain = 3;  ///< 1/s: gain k of step 3 above
+  double com_weight = 100;
+  double height_frequency = 10;  ///< rad/s: natural frequency of the vertical error of the centre of mass (critically damped)
+  double trunk_frequency = 15;   ///< rad/s: natural frequency of the errors of the orientation of pelvis and chest
+  double pelvis_weight = 3, chest_weight = 1;
+  double momentum_gain = 5;      ///< 1/s: decay rate of the error of angular momentum
+  double momentum_weight = 0.3;  ///< weight of the angular momentum divided by the mean moment of inertia, about the centre of mass
+  double joint_frequency = 20;   ///< rad/s: natural frequency of the errors of joints
+  double joint_weight = 1, leg_weight = 0.3;
+  double swing_frequency = 45;  ///< rad/s: natural frequency of the errors of swing feet
+  double swing_weight = 60, swing_turn_weight = 3;
+  double flat = 0.15, steep = 0.4;  ///< rad: a sole tilted by less than `flat` is made level; a tilt above `steep` is kept
+  double sole_damping = 40;         ///< 1/s: decay rate of the velocity of a sole point in stance
+  double sole_weight = 1e5;         ///< weight of the constraints of standing feet
+  double friction_margin = 0.7;     ///< fraction of the friction coefficient that forces may use
+  double load_cost = 1e-6;          ///< cost of a squared edge force, N^-2
+  double touch = 1e-3;              ///< m: only contact points closer to the ground than this bear load
+  double lifting = 0.15;      ///< m/s: no load on a point that, in the reference, rises this much faster than the foot's slowest point
+  double lifted = 0.01;       ///< m: no load on a rising point that, in the reference, is this much higher than the foot's lowest point
+  double anchor_time = 0.04;  ///< s: time constant with which the anchor follows the foot
+  double ground_time = 0.1;   ///< s: time constant with which the height and the slope of the reference's ground follow the real ground
+  double heading_time = 0.2;  ///< s: time constant of the anchor's heading; 0: the heading is not anchored
+  double turn_time = 0.1;     ///< s: time constant with which a foot that turns on the ground follows the heading of its reference
+  double shift_growth = 2;    ///< 1/s: assumed growth rate of the DCM error until touch-down; without ankle torques the rate is w0
+  double max_transfer = 0.3;  ///< s: maximum duration of the double support in the calculation of how far the next foothold is shifted
+  double shift_time = 0.03;   ///< s: time constant with which the shift of the next foothold is updated
+  double max_shift = 0.8;     ///< m: maximum shift of the next foothold from its place in the reference
+  double hurry = 1, hurry_from = 0.15,
+         max_hurry = 1.4;        ///< 1/m, m, factor: rate of time in a swing = 1 + hurry (shift - hurry_from), between 1 and max_hurry
+  double clearance = 0.01;       ///< m: added to the height of a swing foot in the middle of the swing
+  double aim_depth = 0.01;       ///< m: a swing foot aims this far below the floor at the end of the swing
+  double press_speed = 0.8;      ///< m/s: downward speed of a foot that lands later than in the reference
+  double step_time = 0.27;       ///< s: duration of a reaction step
+  double step_delay = 0.04;      ///< s: time for which the DCM must be outside the support before a reaction step
+  double step_margin = 0.3;      ///< s: a reaction step starts if the DCM leaves the support by over step_margin * reference speed
+  double step_error = 0.06;      ///< m: minimum error of the DCM for a reaction step
+  double step_clearance = 0.05;  ///< m: height of a reaction step
+  double separation = 0.14;      ///< m: minimum lateral distance of the feet after a reaction step
+  double push_off = 0.1;         ///< body weights: the feet lift to a flight only when the reference needs less ground force
+  double landing = 0.4;          ///< factor on the DCM error in the shift of a landing after a flight
+  double early = 0.6;            ///< fraction of the swing after which a touching foot stands
+  double early_rate = 1.6, late_rate = 1;  ///< rate of the reference's time after an early touch-down, and while a touch-down is late
+  double limit_time = 0.02;                ///< s: a joint keeps its limits for this time ahead, at constant acceleration
+  int limit_rounds = 2;  ///< maximum number of further solutions; each adds the limits that the previous solution exceeds as constraints
+  Vec3 gravity{0, 0, -9.81};  ///< m/s^2, world
+};
+
+/// State of the controller between ticks. Plain data, so that it can be saved, restored and replayed.
+struct BalanceState {
+  static constexpr std::size_t max_feet = 8;
+  struct FootState {
+    std::uint64_t stands = 0;      ///< 1: the foot counts as standing
+    std::uint64_t early = 0;       ///< 1: the foot stands, although it still swings in the reference
+    std::uint64_t reacts = 0;      ///< 1: the foot makes a reaction step, which the reference does not contain
+    double begin = 0, length = 0;  ///< s: begin (on BalanceState::clock) and duration of the reaction step
+    double lost = 0;               ///< s: time for which the standing foot has had no ground contact
+    double offset[3] = {0, 0, 0};  ///< m, world: position of the foot minus that in the reference, when the foot left the ground
+    double shift[2] = {0, 0};      ///< m, world: shift of the next touch-down
+  };
+  std::uint64_t started = 0;
+  double time = 0;                   ///< s: time of the reference
+  double rate = 1;                   ///< seconds of the reference per second
+  double clock = 0;                  ///< s: time since the controller started
+  double trouble = 0;                ///< s: time for which the DCM has been outside the support
+  double x = 0, y = 0, heading = 0;  ///< m, rad: displacement of the reference by the anchor
+  double z = 0;                      ///< m: height of the ground under the standing feet minus that in the reference
+  double tilt[2] = {0, 0};           ///< slope of the ground under the standing feet: rise per length along the x and y axes of the world
+  double ground[2] = {0, 0};         ///< m, world: x and y of the point of the ground at which it has the height `z`
+  FootState feet[max_feet];
+  double multipliers[6] = {0, 0, 0, 0, 0, 0};  ///< multipliers from which the quadratic program starts
+};
+
+/// Input of one tick. All spans refer to the caller's memory.
+struct BalanceInput {
+  std::span<const double> q, v;                       ///< present state [nq], [nv]
+  std::span<const collision::ContactPoint> contacts;  ///< result of collision analysis at the present state
+  int system = 0;                                     ///< index of this character in ContactPoint::system_a
+  double dt = 0.002;                                  ///< s
+};
+
+/// Output of one tick.
+struct BalanceOutput {
+  Vec3 dcm_error;        ///< m, world: DCM minus its reference
+  int iterations = 0;    ///< Newton steps of the quadratic program
+  double residual = 0;   ///< N | N m: error of the equations of motion
+  int limits = 0;        ///< number of torque limits that the planned torques reach
+  int joint_limits = 0;  ///< number of joint limits that the planned accelerations reach
+  bool solved = true;    ///< true: the quadratic program converged
+};
+
+}  // namespace ugoki::control

@@ -1,0 +1,133 @@
+#include "ugoki/control/ground_support.h"
+
+#include <algorithm>
+
+#include "ugoki/spatial/elementary.h"
+
+namespace ugoki::control {
+namespace {
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+}  // namespace
+
+GroundSupport::GroundSupport(const BalanceModel& model) : touching_(model.feet.size()) {
+  contacts_.reserve(max_bearing);
+  bearing_.reserve(max_bearing);
+  hull_.reserve(4 * max_bearing);
+}
+
+void GroundSupport::collect(const BalanceModel& model, const BalanceInput& in) {
+  contacts_.clear();
+  std::ranges::fill(touching_, 0);
+  for (const collision::ContactPoint& c : in.contacts) {
+    const bool is_a = c.system_a == in.system;
+    if (is_a ? c.system_b == in.system : c.system_b != in.system) continue;
+    const int link = is_a ? c.link_a : c.link_b, foot = model.part_of[at(link)];
+    const Vec3 n = is_a ? c.n : -c.n;
+    if (foot < 0 || n.z < min_rise || contacts_.size() == max_bearing) continue;
+    contacts_.push_back({foot, link, c.p, n, c.friction, c.distance});
+    if (c.distance <= model.options.touch) ++touching_[at(foot)];
+  }
+}
+
+void GroundSupport::find_bearing(const BalanceModel& model, const BalanceState& state) {
+  bearing_.clear();
+  for (const FootContact& c : contacts_) {
+    if (!state.feet[c.foot].stands || c.distance > model.options.touch) continue;
+    const auto link = at(c.link);
+    const Vec3 p_ref = model.ref.X_WB[link] * (model.now.X_WB[link].inverse() * c.p);
+    const double rise = dynamics::point_velocity(model.ref, c.link, p_ref).z / state.rate;
+    bearing_.push_back({c.foot, c.link, c.p, c.n, c.friction, p_ref.z, rise, {}});
+  }
+  for (std::size_t f = 0; f < model.feet.size(); ++f) {
+    double slowest = 1e9, lowest = 1e9;
+    for (const BearingPoint& b : bearing_) {
+      if (b.foot != static_cast<int>(f)) continue;
+      slowest = std::min(slowest, b.rise);
+      lowest = std::min(lowest, b.height);
+    }
+    std::erase_if(bearing_, [&](const BearingPoint& b) {
+      return b.foot == static_cast<int>(f) &&
+             (b.rise > slowest + model.options.lifting || (b.height > lowest + model.options.lifted && b.rise > slowest + 0.02));
+    });
+    if (model.schedule.turns(f, state.time)) find_turn(model, f);
+  }
+}
+
+void GroundSupport::find_turn(const BalanceModel& model, std::size_t f) {
+  const auto l = at(model.feet[f].link);
+  const Vec3 error = log_map(to_quat(model.ref.X_WB[l].R * model.now.X_WB[l].R.transposed()));
+  const double rate = model.ref.V[l].w.z + error.z / model.options.turn_time;
+  // The foot turns about the mean of the points, weighted by how little they move in the reference.
+  constexpr double slow = 0.05;  // m/s: points that are slower count alike
+  Vec3 pivot;
+  double sum = 0;
+  for (const BearingPoint& b : bearing_) {
+    if (b.foot != static_cast<int>(f)) continue;
+    const auto link = at(b.link);
+    const Vec3 v = dynamics::point_velocity(model.ref, b.link, model.ref.X_WB[link] * (model.now.X_WB[link].inverse() * b.p));
+    const double weight = 1 / (v.x * v.x + v.y * v.y + slow * slow);
+    pivot += b.p * weight;
+    sum += weight;
+  }
+  if (sum == 0) return;
+  pivot = pivot / sum;
+  for (BearingPoint& b : bearing_)
+    if (b.foot == static_cast<int>(f)) b.slide = cross(Vec3{0, 0, rate}, b.p - pivot);
+}
+
+GroundSupport::Ground GroundSupport::ground_under(const BalanceModel& model, std::size_t foot) const {
+  Vec3 point, normal;
+  double count = 0;
+  for (const FootContact& c : contacts_) {
+    if (c.foot != static_cast<int>(foot) || c.distance > model.options.touch) continue;
+    point += c.p - c.n * (0.5 * c.distance);
+    normal += c.n;
+    count += 1;
+  }
+  if (count == 0) return {};
+  point = point / count;
+  normal = normalized(normal);
+  const Vec3 from = model.sole(foot) - point;
+  return {true, point.z - (normal.x * from.x + normal.y * from.y) / normal.z, normal};
+}
+
+double GroundSupport::distance_to_edge(int foot, const BalanceState& state, const Vec3& p, Vec3& closest) {
+  hull_.clear();
+  for (const FootContact& c : contacts_)
+    if (c.distance <= near_ground && state.feet[c.foot].stands && (foot < 0 || c.foot == foot)) hull_.push_back(horizontal(c.p));
+  closest = p;
+  if (hull_.empty()) return -1e3;
+  // Convex hull by the monotone chain (Andrew 1979), counter-clockwise, stored in hull_ after the points.
+  std::sort(hull_.begin(), hull_.end(), [](const Vec3& a, const Vec3& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  const std::size_t n = hull_.size();
+  const auto turn = [](const Vec3& o, const Vec3& a, const Vec3& b) { return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x); };
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::size_t start = hull_.size();
+    for (std::size_t k = 0; k < n; ++k) {
+      const Vec3 q = hull_[pass == 0 ? k : n - 1 - k];
+      while (hull_.size() >= start + 2 && turn(hull_[hull_.size() - 2], hull_.back(), q) <= 0) hull_.pop_back();
+      hull_.push_back(q);
+    }
+    hull_.pop_back();
+  }
+  const std::size_t corners = hull_.size() - n;
+  double inside = 1e3, best = 1e300;
+  const Vec3 flat = horizontal(p);
+  for (std::size_t k = 0; k < std::max<std::size_t>(1, corners); ++k) {
+    const Vec3 a = corners ? hull_[n + k] : hull_[0], b = corners ? hull_[n + (k + 1) % corners] : hull_[0];
+    const Vec3 edge = b - a;
+    const double length = norm(edge);
+    const double s = length > 0 ? std::clamp(dot(flat - a, edge) / (length * length), 0.0, 1.0) : 0;
+    const Vec3 q = a + edge * s;
+    if (norm(flat - q) < best) {
+      best = norm(flat - q);
+      closest = q;
+    }
+    inside = std::min(inside, length > 0 ? turn(a, b, flat) / length : -best);
+  }
+  if (corners < 3 || inside < 0) return -best;
+  closest = flat;
+  return inside;
+}
+
+}  // namespace ugoki::control

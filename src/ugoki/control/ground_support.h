@@ -1,0 +1,68 @@
+#pragma once
+// Contact of the feet with the ground: which points bear load, how many points of each foot touch, and the support area.
+
+#include <vector>
+
+#include "ugoki/control/balance_model.h"
+
+namespace ugoki::control {
+
+/// A contact point of a foot with the ground, or with another mechanism below the foot.
+struct FootContact {
+  int foot, link;
+  Vec3 p, n;  // m, world: position; unit, world: normal, upwards
+  double friction;
+  double distance;  // m
+};
+
+/// A contact point that bears load.
+struct BearingPoint {
+  int foot, link;
+  Vec3 p, n;  // m, world: position; unit, world: normal
+  double friction;
+  double height, rise;  // m, m/s: height and upward speed of this material point in the reference
+  Vec3 slide;           // m/s, world: wanted velocity; zero, unless the reference turns on this foot
+};
+
+/// Contacts of one tick, seen as support of a character.
+class GroundSupport {
+ public:
+  explicit GroundSupport(const BalanceModel& model);
+  /// Maximum number of contact points of the feet; further contacts are ignored.
+  static constexpr std::size_t max_bearing = 64;
+
+  /// Collects the contacts of the feet with surfaces below them: the ground and other mechanisms, for example boxes.
+  void collect(const BalanceModel& model, const BalanceInput& input);
+  [[nodiscard]] const std::vector<FootContact>& contacts() const { return contacts_; }
+  /// Number of contact points of a foot that touch.
+  [[nodiscard]] int touching(std::size_t foot) const { return touching_[foot]; }
+  /// Ground under the sole of a foot.
+  struct Ground {
+    bool found = false;  // false: the foot has no contact
+    double height = 0;   // m, world: at the centre of the sole
+    Vec3 normal{0, 0, 1};
+  };
+  [[nodiscard]] Ground ground_under(const BalanceModel& model, std::size_t foot) const;
+  /// Finds the points that bear load: close to the ground, on a foot that stands, and not lifted by the reference.
+  void find_bearing(const BalanceModel& model, const BalanceState& state);
+  [[nodiscard]] const std::vector<BearingPoint>& bearing() const { return bearing_; }
+
+  /// Computes the distance of p from the edge of the support: the convex hull, in the horizontal plane, of the contact points of a foot
+  /// (-1: of all standing feet). @param closest [out] closest point of the hull @return m: signed distance, positive inside; -1000 if no
+  /// foot stands
+  double distance_to_edge(int foot, const BalanceState& state, const Vec3& p, Vec3& closest);
+
+ private:
+  /// Sets the wanted velocities of the points of a foot that turns about a vertical axis.
+  void find_turn(const BalanceModel& model, std::size_t foot);
+
+  static constexpr double min_rise = 0.5;      // minimum z of a normal: a surface steeper than 60 degrees does not support a foot
+  static constexpr double near_ground = 0.01;  // m: points closer than this span the support area
+
+  std::vector<FootContact> contacts_;
+  std::vector<BearingPoint> bearing_;
+  std::vector<int> touching_;  // [feet]
+  std::vector<Vec3> hull_;     // scratch
+};
+
+}  // namespace ugoki::control

@@ -1,0 +1,82 @@
+#include "ugoki/control/reference_anchor.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "ugoki/motion/clip.h"
+#include "ugoki/spatial/elementary.h"
+
+namespace ugoki::control {
+namespace {
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+using Weights = std::array<double, BalanceState::max_feet>;
+}  // namespace
+
+void ReferenceAnchor::update(const BalanceModel& model, const GroundSupport& support, double dt, BalanceState& state) {
+  // The share of a foot grows in the time after it landed and decreases in the time before it lifts. In a walk, the share moves linearly
+  // from the rear to the front foot during double support.
+  Weights weights{}, rates{};
+  double sum = 0, sum_rate = 0, next_change = 1e300;
+  rate_ = {};
+  rest_ = climb_ = 0;
+  for (std::size_t f = 0; f < model.feet.size(); ++f) {
+    if (!state.feet[f].stands) continue;
+    const ScheduledFoot planned = model.schedule.at(f, state.time);
+    const double since = planned.stands ? state.time - planned.begin : 0, until = planned.stands ? planned.end - state.time : 1e300;
+    weights[f] = std::max(std::min({since, until, model.options.max_transfer}), 1e-6);
+    rates[f] = weights[f] == since ? state.rate : weights[f] == until ? -state.rate : 0;
+    sum += weights[f];
+    sum_rate += rates[f];
+    const double change = weights[f] == since ? std::min(until, model.options.max_transfer - since) : until;
+    next_change = std::min(next_change, change);
+  }
+  if (sum == 0) {
+    if (model.flight(state)) {  // The centre of mass flies along a parabola. The reference flies with it.
+      state.x += model.centroid.centre.x - model.want.centre.x;
+      state.y += model.centroid.centre.y - model.want.centre.y;
+    }
+    return;
+  }
+  Vec3 shift, centre;
+  double turn = 0, height = 0, weight = 0;
+  Vec3 point, normal;
+  for (std::size_t f = 0; f < model.feet.size(); ++f) {
+    if (!state.feet[f].stands) continue;
+    const double share = weights[f] / sum;
+    const Pose &X = model.now.X_WB[at(model.feet[f].link)], &X_ref = model.ref.X_WB[at(model.feet[f].link)];
+    const Vec3 offset = model.sole(f) - model.reference_sole(f);
+    shift += offset * share;
+    rate_ += horizontal(offset) * ((rates[f] - share * sum_rate) / sum);
+    centre += model.reference_sole(f) * share;
+    const Vec3 rotation = log_map(to_quat(X.R * X_ref.R.transposed()));
+    turn += rotation.z * share;
+    const GroundSupport::Ground ground = support.ground_under(model, f);
+    if (!ground.found) continue;
+    height += (ground.height - model.floor) * share;
+    normal += ground.normal * share;
+    point += model.sole(f) * share;
+    weight += share;
+  }
+  rest_ = next_change / state.rate;
+  const double follow = std::min(1.0, dt / model.options.anchor_time);
+  const double angle = model.options.heading_time > 0 ? turn * std::min(1.0, dt / model.options.heading_time) : 0;
+  if (weight > 1e-6) {
+    const double share = std::min(1.0, dt / model.options.ground_time), rise = (height / weight - state.z) * share;
+    climb_ = rise / dt;
+    state.z += rise;
+    state.tilt[0] += (-normal.x / normal.z - state.tilt[0]) * share;
+    state.tilt[1] += (-normal.y / normal.z - state.tilt[1]) * share;
+    state.ground[0] = point.x / weight;
+    state.ground[1] = point.y / weight;
+  }
+  // Rotates the reference about its standing foot, then translates it.
+  const Vec3 pivot = horizontal(centre), moved = pivot - rotation_about({0, 0, 1}, angle) * pivot + horizontal(shift) * follow;
+  const Placement next = Placement{moved.x, moved.y, 0, angle} * Placement{state.x, state.y, 0, state.heading};
+  state.x = next.x;
+  state.y = next.y;
+  state.heading = next.heading;
+}
+
+}  // namespace ugoki::control
