@@ -10,6 +10,7 @@ import { control_journeys } from './controls.mjs';
 import { plugin_journeys } from './plugins.mjs';
 import { editor_journeys } from './editor.mjs';
 import { repair_journeys } from './repairs.mjs';
+import { rule_journeys } from './rules.mjs';
 import { library_journeys } from './library.mjs';
 import { motion_journeys } from './motion.mjs';
 import { mock } from './service.mjs';
@@ -452,6 +453,7 @@ export const journeys = [
   ...accessibility_journeys,
   ...repair_journeys,
   ...editor_journeys,
+  ...rule_journeys,
   ...motion_journeys,
   ...library_journeys,
   ...circuit_journeys,

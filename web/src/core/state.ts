@@ -16,6 +16,7 @@ export type Selection =
   /** Two or more clips and events. */
   | { kind: 'items'; items: readonly Item[] }
   | { kind: 'marker'; marker: string }
+  | { kind: 'rule'; rule: string }
   | { kind: 'entry'; entry: string }
   /** The selection is in the wiring editor (EditorState). */
   | { kind: 'circuit' };
@@ -180,6 +181,8 @@ export function valid_selection(selection: Selection, document: ScenarioDocument
       return document.events.some((e) => e.id === selection.event) ? selection : none;
     case 'items':
       return valid_items(selection, document);
+    case 'rule':
+      return document.rules?.some((r) => r.id === selection.rule) ? selection : none;
     case 'marker':
       return document.markers?.some((m) => m.id === selection.marker) ? selection : none;
     default:
