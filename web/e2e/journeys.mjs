@@ -5,6 +5,7 @@ import { fileURLToPath } from 'node:url';
 import assert from 'node:assert/strict';
 import { ready } from './browser.mjs';
 import { accessibility_journeys } from './accessibility.mjs';
+import { body_journeys } from './bodies.mjs';
 import { circuit_journeys } from './circuit.mjs';
 import { control_journeys } from './controls.mjs';
 import { plugin_journeys } from './plugins.mjs';
@@ -454,6 +455,7 @@ export const journeys = [
   ...repair_journeys,
   ...editor_journeys,
   ...rule_journeys,
+  ...body_journeys,
   ...motion_journeys,
   ...library_journeys,
   ...circuit_journeys,

@@ -34,6 +34,8 @@ export interface ViewOptions {
   contacts: boolean;
   /** Show lines between the closest points of characters and objects, with their distance. */
   closest: boolean;
+  /** Show the collision shapes of bodies instead of their smooth surface. */
+  shapes: boolean;
   follow: boolean;
   assist: boolean;
 }
@@ -129,7 +131,7 @@ export const initial_state: StudioState = {
   library_revision: 0,
   mechanisms: {},
   selection: { kind: 'none' },
-  view: { perspective: true, ghosts: false, trail: false, contacts: false, closest: false, follow: false, assist: true },
+  view: { perspective: true, ghosts: false, trail: false, contacts: false, closest: false, shapes: false, follow: false, assist: true },
   keymap: 'industry',
   theme: 'dark',
   toasts: [],

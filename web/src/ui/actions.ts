@@ -400,6 +400,7 @@ const commands: AppCommand[] = [
   { id: 'view.all', label: 'Frame all', group: 'View', keys: ['A'], run: () => parts.viewport?.frame_all() },
   { id: 'view.follow', label: 'Follow the character with the camera', group: 'View', keys: ['L'], run: toggle('follow') },
   { id: 'view.perspective', label: 'Switch between perspective and orthographic', group: 'View', keys: ['5', 'P'], run: toggle('perspective') },
+  { id: 'view.shapes', label: 'Show collision shapes or smooth bodies', group: 'View', keys: ['B'], run: toggle('shapes') },
   { id: 'view.ghosts', label: 'Show or hide ghosts', group: 'View', keys: ['O'], run: toggle('ghosts') },
   { id: 'view.trail', label: 'Show or hide the trail of the centre of mass', group: 'View', keys: ['T'], run: toggle('trail') },
   { id: 'view.contacts', label: 'Show or hide contact forces', group: 'View', keys: ['C'], run: toggle('contacts') },

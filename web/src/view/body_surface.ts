@@ -11,7 +11,8 @@ export interface BodySurface {
 }
 
 const cells_over_height = 130; // 14 mm for a person of 1.8 m: fingers and toes of the samples have no shapes of their own
-const max_links = 128; // size of the uniform array of the shader (body_view.ts)
+/** Maximum number of links of a body; sets the size of a uniform array of the shader, of which WebGL 2 guarantees 256 vectors. */
+export const max_links = 96;
 
 /** Makes the surface of a mechanism in about 0.2 s; null if the mechanism is no body (robots, balls, boxes). */
 export function make_body_surface(mechanism: MechanismData): BodySurface | null {
@@ -140,7 +141,7 @@ function weights_of(field: BodyField, positions: Float32Array): { links: Uint16A
     const chosen = near.filter((n) => connected(first.link, n.link)).slice(0, 4);
     let sum = 0;
     chosen.forEach((n, k) => {
-      const width = 0.9 * Math.min(first.link.radius, n.link.radius);
+      const width = 0.5 * Math.min(first.link.radius, n.link.radius);
       const w = Math.max(0, 1 - (n.d - first.d) / width) ** 2;
       links[4 * i + k] = n.link.index;
       weights[4 * i + k] = w;
