@@ -26,19 +26,20 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string target, html, native, embed, ugx, glb, usda, csv, mjcf, urdf, fbx, abc, blender, character, inputs, player, title;
+  std::string target, html, native, embed, ugx, glb, usda, csv, fmu, mjcf, urdf, fbx, abc, blender, character, inputs, player, title;
   SourceOptions source;
   PictureOutputs pictures;
   PictureOptions picture;
   std::vector<int> size = {1920, 1080};
   double take_rate = 0, duration = 0;
+  int fmi_version = 3;
   bool json = false;
 
   [[nodiscard]] std::vector<NamedFile> outputs() const {
     return {
         {"--html", html},        {"--native", native},      {"--embed", embed},     {"--ugx", ugx}, {"--glb", glb}, {"--usda", usda},
         {"--csv", csv},          {"--mjcf", mjcf},          {"--urdf", urdf},       {"--fbx", fbx}, {"--abc", abc}, {"--png", pictures.png},
-        {"--mp4", pictures.mp4}, {"--webm", pictures.webm}, {"--gif", pictures.gif}};
+        {"--mp4", pictures.mp4}, {"--webm", pictures.webm}, {"--gif", pictures.gif},     {"--fmu", fmu}};
   }
   /// The files that this verb reads.
   [[nodiscard]] std::vector<NamedFile> inputs_read() const {
@@ -222,6 +223,14 @@ int run_export(Options o) {
         for (const std::string& file : *drawn) report.push_back({"picture", file, fs::file_size(file, ec)});
       }
     }
+    if (!o.fmu.empty()) {
+      std::vector<std::string> notes;
+      const Result<std::string> fmu = make_content_fmu(ugx, source->name, o.fmi_version, notes);
+      if (!fmu) return fail(fmu.error());
+      if (!o.json)
+        for (const std::string& note : notes) print_line("Note: " + note);
+      if (Result<void> done = write(report, "fmu", o.fmu, *fmu); !done) return done;
+    }
     if (o.wants_take()) {
       const Result<publish::Take> take = run_take(o, ugx, source->name, inputs);
       if (!take) return fail(take.error());
@@ -304,6 +313,8 @@ void add_export_verb(CLI::App& app, Action& action) {
   file("--glb", o->glb, "glTF 2.0: skins, animation, camera, materials")->group("Other tools");
   file("--usda", o->usda, "USD as text: UsdSkel, materials, camera")->group("Other tools");
   file("--csv", o->csv, "Table of all link poses")->group("Other tools");
+  file("--fmu", o->fmu, "FMU for co-simulation: Simulink, Modelica tools, FMPy")->group("Other tools");
+  verb->add_option("--fmi", o->fmi_version, "Version of FMI for --fmu")->check(CLI::IsMember({2, 3}))->capture_default_str()->group("Other tools");
   file("--fbx", o->fbx, "FBX, *.fbx, written by Blender")->group("Other tools")->check(CLI::Validator(has_ending(".fbx"), "*.fbx"));
   file("--abc", o->abc, "Alembic, *.abc, written by a Blender with support for Alembic")
       ->group("Other tools")
@@ -327,7 +338,7 @@ void add_export_verb(CLI::App& app, Action& action) {
       "Examples:\n  ugoki export park.ugoki --html park.html\n  ugoki export park.ugoki --native park --mp4 park.mp4 --size 1280x720\n"
       "  ugoki export walk.bvh --glb walk.glb");
   verb->callback([o, &action] {
-    if (!o->wants_page() && !o->wants_take() && o->ugx.empty())
+    if (!o->wants_page() && !o->wants_take() && o->ugx.empty() && o->fmu.empty())
       throw CLI::ValidationError("export", "Name at least one file to write, for example --html park.html.");
     action = [o] { return with_libraries(o->json, [&] { return run_export(*o); }); };
   });

@@ -32,6 +32,10 @@ struct PictureOutputs {
   [[nodiscard]] bool any() const { return !png.empty() || !mp4.empty() || !webm.empty() || !gif.empty(); }
 };
 
+/// Returns the content as an FMU. @param version of FMI: 2 or 3 @param notes [out] sentences for the user about pins that are left out
+[[nodiscard]] Result<std::string> make_content_fmu(std::span<const std::byte> ugx, const std::string& name, int version,
+                                                   std::vector<std::string>& notes);
+
 /// Writes the content as FBX or Alembic with Blender. The extension of `file` (.fbx, .abc) selects the format.
 /// @param glb result of publish::write_take_glb() @param rate frames per second @param blender path of Blender; empty: found on $PATH
 [[nodiscard]] Result<void> export_with_blender(std::span<const std::byte> glb, double rate, const std::string& file,

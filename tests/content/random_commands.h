@@ -14,7 +14,7 @@ class RandomCommands {
 
   /// A random command (JSON) for the document `s`.
   std::string next(const Scenario& s) {
-    switch (pick(17)) {
+    switch (pick(20)) {
       case 0:
         return R"({"type": "clip.add", "character": "human", "motion": ")" + std::string(pick(2) ? "n-walk" : "n-step") +
                R"(", "start": )" + number(0, 8) + "}";
@@ -49,6 +49,17 @@ class RandomCommands {
       case 16:
         return R"({"type": "scenario.set", "range": )" +
                (pick(3) == 0 ? "null}" : R"({"from": )" + number(0, 4) + R"(, "to": )" + number(4.1, 9) + "}}");
+      case 17:
+        return R"({"type": "rule.add", "rule": {"if": [{"type": "time", "time": )" + number(0, 9) +
+               R"(}], "do": {"type": "play", "character": "human", "motion": "n-step", "loop": true}}})";
+      case 18:
+        if (s.rules.empty()) return next(s);
+        return R"({"type": "rule.set", "id": ")" + s.rules[pick(s.rules.size())].id + R"(", "rule": {"on": )" +
+               (pick(2) ? "true" : "false") + R"(, "if": [{"type": "key", "key": "KeyW"}, {"type": "time", "time": )" + number(-1, 9) + "}]}}";
+      case 19:
+        if (s.rules.empty()) return next(s);
+        return R"({"type": "rule.)" + std::string(pick(2) ? "move" : "remove") + R"(", "id": ")" + s.rules[pick(s.rules.size())].id + "\"" +
+               (pick(2) ? R"(, "at": 0})" : "}");
       default:
         return pick(2) ? R"({"type": "scenario.set", "duration": )" + number(1, 30) + R"(, "look": {"light": )" + number(0, 2.1) + "}}"
                        : circuit_command();

@@ -5,11 +5,13 @@ import { fileURLToPath } from 'node:url';
 import assert from 'node:assert/strict';
 import { ready } from './browser.mjs';
 import { accessibility_journeys } from './accessibility.mjs';
+import { body_journeys } from './bodies.mjs';
 import { circuit_journeys } from './circuit.mjs';
 import { control_journeys } from './controls.mjs';
 import { plugin_journeys } from './plugins.mjs';
 import { editor_journeys } from './editor.mjs';
 import { repair_journeys } from './repairs.mjs';
+import { rule_journeys } from './rules.mjs';
 import { library_journeys } from './library.mjs';
 import { motion_journeys } from './motion.mjs';
 import { mock } from './service.mjs';
@@ -452,6 +454,8 @@ export const journeys = [
   ...accessibility_journeys,
   ...repair_journeys,
   ...editor_journeys,
+  ...rule_journeys,
+  ...body_journeys,
   ...motion_journeys,
   ...library_journeys,
   ...circuit_journeys,

@@ -33,7 +33,7 @@ class Work {
       std::string_view type;
       std::string (Work::*run)(Fields&);
     };
-    static constexpr std::array<Kind, 17> kinds = {{{"clip.add", &Work::clip_add},
+    static constexpr std::array<Kind, 21> kinds = {{{"clip.add", &Work::clip_add},
                                                     {"clip.set", &Work::clip_set},
                                                     {"clip.remove", &Work::clip_remove},
                                                     {"clip.split", &Work::clip_split},
@@ -46,6 +46,10 @@ class Work {
                                                     {"marker.add", &Work::marker_add},
                                                     {"marker.set", &Work::marker_set},
                                                     {"marker.remove", &Work::marker_remove},
+                                                    {"rule.add", &Work::rule_add},
+                                                    {"rule.set", &Work::rule_set},
+                                                    {"rule.move", &Work::rule_move},
+                                                    {"rule.remove", &Work::rule_remove},
                                                     {"scenario.set", &Work::scenario_set},
                                                     {"circuit.set", &Work::circuit_set},
                                                     {"circuit.edit", &Work::circuit_edit},
@@ -82,7 +86,7 @@ class Work {
     const auto has = [&](const auto& list) {
       return std::any_of(list.begin(), list.end(), [&](const auto& item) { return item.id == id; });
     };
-    return has(effect_.scenario.events) || has(effect_.scenario.markers);
+    return has(effect_.scenario.events) || has(effect_.scenario.markers) || has(effect_.scenario.rules);
   }
   /// Keeps an id that the command gives. If `id` is empty, creates a new id: `letter` followed by a number.
   void assign_id(std::string& id, char letter) {
@@ -234,13 +238,14 @@ class Work {
     return "Change character";
   }
 
-  /// Removes the character together with its events.
+  /// Removes the character together with its events and rules.
   std::string character_remove(Fields& f) {
     const ScenarioCharacter* c = unlocked_in(f, "id");
     if (!c) return {};
     const std::string id = c->id;
     std::erase_if(document().characters, [&](const ScenarioCharacter& x) { return x.id == id; });
     std::erase_if(document().events, [&](const ScenarioEvent& e) { return e.character == id; });
+    remove_rules_of(document(), id);
     if (document().camera.follow == id) document().camera.follow.clear();
     return "Remove character";
   }
@@ -326,6 +331,65 @@ class Work {
     return "Remove marker";
   }
 
+  std::vector<Rule>::iterator rule_in(Fields& f) {
+    std::vector<Rule>& rules = document().rules;
+    std::string id;
+    f.require("id", "the rule's id");
+    f.text("id", id);
+    if (!problems_.empty()) return rules.end();
+    const auto found = std::find_if(rules.begin(), rules.end(), [&](const Rule& r) { return r.id == id; });
+    if (found == rules.end()) report_missing(f, "id", "rule", id);
+    return found;
+  }
+  void read_rule_in(Fields& f, Rule& rule) {
+    f.require("rule", "an object with the fields of the rule");
+    if (const Json* object = f.find("rule")) {
+      Fields g(*object, f.path("rule"), problems_);
+      read_rule(g, rule);
+      g.refuse_others();
+    }
+  }
+
+  std::string rule_add(Fields& f) {
+    Rule rule;
+    read_rule_in(f, rule);
+    int at = static_cast<int>(document().rules.size());
+    f.integer("at", at);
+    if (!problems_.empty()) return {};
+    assign_id(rule.id, 'r');
+    document().rules.insert(document().rules.begin() + std::clamp(at, 0, static_cast<int>(document().rules.size())), std::move(rule));
+    return "Add rule";
+  }
+
+  std::string rule_set(Fields& f) {
+    const auto rule = rule_in(f);
+    if (rule == document().rules.end()) return {};
+    const Rule before = *rule;
+    read_rule_in(f, *rule);
+    rule->id = before.id;
+    if (rule->on != before.on) return rule->on ? "Switch on rule" : "Switch off rule";
+    return "Change rule";
+  }
+
+  /// Changes the priority of a rule.
+  std::string rule_move(Fields& f) {
+    const auto rule = rule_in(f);
+    int at = 0;
+    f.require("at", "the new index in the list of rules");
+    f.integer("at", at);
+    if (rule == document().rules.end() || !problems_.empty()) return {};
+    Rule moved = std::move(*rule);
+    document().rules.erase(rule);
+    document().rules.insert(document().rules.begin() + std::clamp(at, 0, static_cast<int>(document().rules.size())), std::move(moved));
+    return "Move rule";
+  }
+
+  std::string rule_remove(Fields& f) {
+    const auto rule = rule_in(f);
+    if (rule != document().rules.end()) remove_rule(document(), std::string(rule->id));
+    return "Remove rule";
+  }
+
   std::string scenario_set(Fields& f) {
     const Scenario before = document();
     read_settings(f, document());
@@ -399,6 +463,8 @@ void collect_resources(const Json& command, std::vector<std::string>& out) {
   if (!command.is_object()) return;
   for (const char* key : {"motion", "mechanism"})
     if (const auto it = command.find(key); it != command.end() && it->is_string()) out.push_back(it->get_ref<const std::string&>());
+  for (const char* key : {"rule", "do"})
+    if (const auto it = command.find(key); it != command.end()) collect_resources(*it, out);
   if (const auto it = command.find("commands"); it != command.end() && it->is_array())
     for (const Json& c : *it) collect_resources(c, out);
 }

@@ -1,5 +1,6 @@
 #include "ugoki/content/default_circuit.h"
 
+#include "ugoki/content/rule_circuit.h"
 #include "ugoki/lsi/execution_circuit.h"
 
 namespace ugoki::content {
@@ -8,8 +9,10 @@ std::string default_circuit(const Scenario& scenario) {
   std::vector<lsi::CircuitCharacter> characters;
   for (const ScenarioCharacter& c : scenario.characters)
     characters.push_back(
-        {c.id, c.control.mode == ControlMode::track && !c.track.empty(), c.control.tracking, c.control.balance, c.control.assist_limit});
-  return circuit::write_circuit(lsi::make_execution_circuit(characters, scenario.step));
+        {c.id, c.control.mode == ControlMode::track && !c.track.empty(), c.control.tracking, c.control.balance, c.control.assist_limit, !play_rules(scenario, c.id).empty()});
+  circuit::Circuit made = lsi::make_execution_circuit(characters, scenario.step);
+  add_rules(made, scenario);
+  return circuit::write_circuit(made);
 }
 
 }  // namespace ugoki::content

@@ -12,6 +12,8 @@
 namespace ugoki::content {
 namespace {
 
+constexpr double max_run = 1e9;  // s, length of a motion that a rule repeats without end
+
 /// Reads one file of executable data.
 class Reader {
  public:
@@ -130,6 +132,20 @@ class Reader {
         if (clip.loop) clip.cycle = cycle_of(motion, mechanism);
         track.push_back(clip);
         character.track.push_back({source.id, index, clip});
+      }
+      for (const Rule* rule : play_rules(s, c.id)) {
+        const int index = index_of(out_.motion_ids, rule->action.motion);
+        const Motion& motion = *out_.motions[static_cast<std::size_t>(index)];
+        const Error misfit = check_motion(motion, mechanism);
+        if (!misfit.empty()) return take_problems(misfit);
+        Clip clip;
+        clip.speed = rule->action.speed;
+        clip.blend = rule->action.blend;
+        clip.loop = rule->action.loop;
+        clip.length = clip.loop ? max_run : motion.duration() / clip.speed;
+        clip.placement.z = c.place.z;
+        if (clip.loop) clip.cycle = cycle_of(motion, mechanism);
+        character.moves.push_back({rule->id, index, clip});
       }
       character.q0 = start_position(c, mechanism, track, resources_);
       out_.characters.push_back(std::move(character));

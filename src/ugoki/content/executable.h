@@ -37,6 +37,7 @@ struct ExecutableCharacter {
   Placement placement;                ///< planar pose in the world at the start; m, heading in rad
   std::vector<double> q0;             ///< [nq] position coordinates at time 0
   std::vector<ExecutableClip> track;  ///< sorted by start; may be empty
+  std::vector<ExecutableClip> moves;  ///< motions that rules play, in the order of the rules, whose ids they have; start is 0
 };
 
 struct ExecutableEvent {

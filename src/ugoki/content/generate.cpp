@@ -50,10 +50,13 @@ Result<std::vector<std::byte>> generate(const Scenario& scenario, const Resource
   std::set<std::string> mechanisms, motions;
   for (const ScenarioCharacter& c : document.characters) {
     mechanisms.insert(c.mechanism);
-    for (const ScenarioClip& clip : c.track) motions.insert(clip.motion);
-    for (const ScenarioClip& clip : c.track)
-      for (Problem& p : check_motion(*resources.motions.at(clip.motion), *resources.mechanisms.at(c.mechanism)).problems)
+    const auto add_motion = [&](const std::string& id) {
+      motions.insert(id);
+      for (Problem& p : check_motion(*resources.motions.at(id), *resources.mechanisms.at(c.mechanism)).problems)
         problems.problems.push_back(std::move(p));
+    };
+    for (const ScenarioClip& clip : c.track) add_motion(clip.motion);
+    for (const Rule* rule : play_rules(document, c.id)) add_motion(rule->action.motion);
   }
   if (!problems.empty()) return fail(std::move(problems));
 

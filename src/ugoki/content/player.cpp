@@ -80,6 +80,7 @@ lsi::World make_world(const Executable& content) {
     spec.q0 = c.q0;
     if (c.control.mode == ControlMode::track)
       for (const ExecutableClip& clip : c.track) spec.track.push_back({clip.clip, content.motions[static_cast<std::size_t>(clip.motion)]});
+    for (const ExecutableClip& clip : c.moves) spec.moves.push_back({clip.clip, content.motions[static_cast<std::size_t>(clip.motion)]});
     characters.push_back(std::move(spec));
   }
   std::vector<lsi::ScheduledEvent> events;

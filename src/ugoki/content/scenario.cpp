@@ -24,6 +24,11 @@ class Checker {
     for (std::size_t i = 0; i < s_.characters.size(); ++i) check_character(s_.characters[i], root_ + "/characters/" + std::to_string(i));
     for (std::size_t i = 0; i < s_.events.size(); ++i) check_event(s_.events[i], root_ + "/events/" + std::to_string(i));
     for (std::size_t i = 0; i < s_.markers.size(); ++i) check_marker(s_.markers[i], root_ + "/markers/" + std::to_string(i));
+    for (std::size_t i = 0; i < s_.rules.size(); ++i) {
+      const std::string location = root_ + "/rules/" + std::to_string(i);
+      check_own_id(location + "/id", s_.rules[i].id);
+      check_rule(s_.rules[i], s_, catalogue_, location, problems_);
+    }
   }
 
  private:
@@ -246,8 +251,13 @@ void put_in_order(Scenario& scenario) {
 
 Scenario played_part(Scenario s) {
   const bool any_solo = std::any_of(s.characters.begin(), s.characters.end(), [](const ScenarioCharacter& c) { return c.solo; });
-  std::erase_if(s.characters, [&](const ScenarioCharacter& c) { return c.muted || (any_solo && !c.solo); });
+  const auto out = [&](const ScenarioCharacter& c) { return c.muted || (any_solo && !c.solo); };
+  std::vector<std::string> left_out;
+  for (const ScenarioCharacter& c : s.characters)
+    if (out(c)) left_out.push_back(c.id);
+  std::erase_if(s.characters, out);
   std::erase_if(s.events, [&](const ScenarioEvent& e) { return !s.find_character(e.character); });
+  for (const std::string& id : left_out) remove_rules_of(s, id);
   if (!s.find_character(s.camera.follow)) s.camera.follow.clear();
   for (ScenarioCharacter& c : s.characters) c.solo = c.locked = false;
   s.markers.clear();
@@ -288,6 +298,7 @@ Result<Scenario> read_scenario(std::string_view text, std::string_view name) {
     read_event(g, s.events.emplace_back());
   });
   read_list(f, "markers", [&](Fields& g) { read_marker(g, s.markers.emplace_back()); });
+  read_list(f, "rules", [&](Fields& g) { read_rule(g, s.rules.emplace_back()); });
   read_circuit_field(f, s);
   f.refuse_others();
   if (!problems.empty()) return fail(std::move(problems));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ugoki/base/result.h"
+#include "ugoki/content/rules.h"
 #include "ugoki/spatial/vec3.h"
 
 namespace ugoki::content {
@@ -117,6 +118,7 @@ struct Scenario {
   std::vector<ScenarioCharacter> characters;
   std::vector<ScenarioEvent> events;    ///< sorted by time
   std::vector<ScenarioMarker> markers;  ///< sorted by time
+  std::vector<Rule> rules;              ///< by falling priority
   ScenarioRange range;
   ScenarioCamera camera;
   ScenarioLook look;
@@ -164,8 +166,8 @@ struct Catalogue {
 /// Maximum size of a mechanism's or motion's id: "mechanism/ID" must fit into the 31 bytes of a section name of *.ugx.
 inline constexpr std::size_t max_resource_id = 21;
 
-/// Returns the part of the document that executable data contains: without characters that are muted or not solo, without their events, and
-/// without markers, range and locks. A camera that follows a left-out character follows none.
+/// Returns the part of the document that executable data contains: without characters that are muted or not solo, without their events and
+/// rules, and without markers, range and locks. A camera that follows a left-out character follows none.
 [[nodiscard]] Scenario played_part(Scenario scenario);
 
 /// Sorts clips by start, and events and markers by time; if these are equal, by id.

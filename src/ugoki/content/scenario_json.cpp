@@ -214,6 +214,11 @@ Json to_json(const Scenario& s) {
     for (const ScenarioMarker& m : s.markers) markers.push_back({{"id", m.id}, {"time", m.time}, {"name", m.name}});
     json["markers"] = std::move(markers);
   }
+  if (!s.rules.empty()) {
+    Json rules = Json::array();
+    for (const Rule& r : s.rules) rules.push_back(to_json(r));
+    json["rules"] = std::move(rules);
+  }
   if (!s.circuit.empty()) json["circuit"] = Json::parse(s.circuit, nullptr, false);
   return json;
 }

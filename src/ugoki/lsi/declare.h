@@ -41,6 +41,8 @@ T& object_of(const Call* call) {
 
 void add_event(circuit::Library& library);
 void add_retrieval(circuit::Library& library);
+void add_choice(circuit::Library& library);
+void add_rules(circuit::Library& library);
 void add_interpolation(circuit::Library& library);
 void add_control(circuit::Library& library);
 void add_balance(circuit::Library& library);

@@ -71,11 +71,12 @@ class Maker {
       wire_outputs(part);
       return;
     }
-    add("retrieval-" + part, "motion retrieval", 2, y - 140).parameters = {character};
+    const std::string source = (who.has_moves ? "choice-" : "retrieval-") + part;
+    add(source, who.has_moves ? "motion choice" : "motion retrieval", 2, y - 140).parameters = {character};
     add("interpolation-" + part, "interpolation", 3, y - 140).parameters = {character};
     add("control-" + part, "motion control", 4, y - 70).parameters = {
         character, {"tracking", who.tracking}, {"balance", who.balance}, {"assist limit", who.assist_limit}};
-    for (const char* name : {"current", "previous", "blend"}) wire("retrieval-" + part + "." + name, "interpolation-" + part + "." + name);
+    for (const char* name : {"current", "previous", "blend"}) wire(source + "." + name, "interpolation-" + part + "." + name);
     for (const char* to : {"control-", "naturalness-"}) {
       wire("status.state", to + part + ".state");
       wire("interpolation-" + part + ".reference", to + part + ".reference");

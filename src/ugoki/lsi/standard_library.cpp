@@ -12,6 +12,8 @@ const circuit::Library& standard_library() {
     circuit::add_signal_lsis(all);
     add_event(all);
     add_retrieval(all);
+    add_choice(all);
+    add_rules(all);
     add_interpolation(all);
     add_control(all);
     add_balance(all);

@@ -36,6 +36,13 @@ ReferenceLayout reference_layout(const Mechanism& m, std::size_t feet) {
   return {static_cast<std::size_t>(m.nq()), static_cast<std::size_t>(m.nv()), feet};
 }
 
+BlendWeight blend_weight(double passed, double duration) {
+  if (!(passed < duration)) return {};
+  // weight = 10 x^3 - 15 x^4 + 6 x^5: the rate and acceleration of the weight are zero at both ends
+  const double rate = 1 / duration, x = passed * rate;
+  return {x * x * x * (10 + x * (6 * x - 15)), 30 * x * x * (1 - x) * (1 - x) * rate, 60 * x * (1 - x) * (1 - 2 * x) * rate * rate};
+}
+
 TrackSampler::TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track, std::span<const int> feet, bool smooth)
     : mechanism_(std::move(mechanism)), track_(std::move(track)), layout_(reference_layout(*mechanism_, feet.size())), smooth_(smooth) {
   UGOKI_CHECK(!track_.empty());
@@ -68,20 +75,18 @@ TrackMoment TrackSampler::moment(double t) const {
   const double passed = t - clip.start;
   if (m.current == 0 || !(passed < clip.blend)) return m;
   m.previous = m.current - 1;
-  // weight = 10 x^3 - 15 x^4 + 6 x^5: the rate and acceleration of the weight are zero at both ends
-  const double rate = 1 / clip.blend, x = passed * rate;
-  m.blend.weight = x * x * x * (10 + x * (6 * x - 15));
-  m.blend.rate = 30 * x * x * (1 - x) * (1 - x) * rate;
-  m.blend.acceleration = 60 * x * (1 - x) * (1 - 2 * x) * rate * rate;
+  m.blend = blend_weight(passed, clip.blend);
   return m;
 }
 
-void TrackSampler::sample_clip(int index, double t, std::span<double> reference) const {
-  const auto i = static_cast<std::size_t>(index);
+void TrackSampler::sample_clip(int clip, double t, std::span<double> reference) const { sample_as(clip, playing(clip), t, reference); }
+
+void TrackSampler::sample_as(int clip, const Clip& placed, double t, std::span<double> reference) const {
+  const auto i = static_cast<std::size_t>(clip);
   const SmoothMotion& motion = motions_[motion_of_[i]];
-  ugoki::sample(playing_[i], motion, *mechanism_, t, reference.first(layout_.nq), reference.subspan(layout_.v(), layout_.nv),
+  ugoki::sample(placed, motion, *mechanism_, t, reference.first(layout_.nq), reference.subspan(layout_.v(), layout_.nv),
                 reference.subspan(layout_.a(), layout_.nv));
-  const double time = phase_of(playing_[i], motion.duration(), t).time;
+  const double time = phase_of(placed, motion.duration(), t).time;
   const auto frame =
       static_cast<std::size_t>(std::clamp(std::floor(time * motion.rate() + 0.5), 0.0, static_cast<double>(motion.frames() - 1)));
   for (std::size_t k = 0; k < layout_.feet; ++k)

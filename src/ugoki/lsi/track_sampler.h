@@ -26,6 +26,9 @@ struct BlendWeight {
   double weight = 1, rate = 0, acceleration = 0;  ///< 1, 1/s, 1/s^2
 };
 
+/// Returns the weight at `passed` s after the begin of a transition that lasts `duration` s.
+[[nodiscard]] BlendWeight blend_weight(double passed, double duration);
+
 /// The clips that play at one time.
 struct TrackMoment {
   int current = 0, previous = 0;  ///< indices of clips; equal outside transitions
@@ -43,6 +46,10 @@ class TrackSampler {
   [[nodiscard]] TrackMoment moment(double t) const;
   /// Writes the reference of one clip at track time t, s. @param reference [layout().size(), out]
   void sample_clip(int clip, double t, std::span<double> reference) const;
+  /// Writes the reference of the motion of clip `clip`, but played as `placed`. @param reference [layout().size(), out]
+  void sample_as(int clip, const Clip& placed, double t, std::span<double> reference) const;
+  /// The clip as it plays: extended into the transition to the next clip where its motion is long enough.
+  [[nodiscard]] const Clip& playing(int clip) const { return playing_[static_cast<std::size_t>(clip)]; }
   /// Writes the reference of the track at time t, s, including transitions. Allocates; a circuit instead uses the LSIs "motion retrieval"
   /// and "interpolation". @param reference [layout().size(), out]
   void sample(double t, std::span<double> reference) const;

@@ -53,6 +53,7 @@ World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> 
       std::copy_n(reference.data() + at.v(), c.v0.size(), c.v0.data());
       raise_above(m, ground_.height, c.q0);
     }
+    if (!spec.moves.empty()) c.moves = std::make_shared<const TrackSampler>(c.mechanism, std::move(spec.moves), c.feet, true);
     characters_.push_back(std::move(c));
   }
   contact_capacity_ = static_cast<std::uint32_t>(std::clamp<std::size_t>(8 * shapes, 64, 4096));  // contact_capacity() explains the numbers

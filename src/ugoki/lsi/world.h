@@ -28,6 +28,7 @@ struct CharacterSpec {
   std::string id;
   MechanismPtr mechanism;
   std::vector<TrackClip> track;  ///< sorted by start; may be empty
+  std::vector<TrackClip> moves;  ///< clips that rules play instead of the track (LSI `motion choice`); their start is 0
   std::vector<double> q0;        ///< [nq] position at time 0 of a character without a track; empty: neutral position
 };
 
@@ -38,6 +39,7 @@ struct Character {
   int index = 0;  ///< index of the character in the world; the subject of its payloads (circuit::Shape::subject)
   MechanismPtr mechanism;
   std::shared_ptr<const TrackSampler> track;  ///< null: the character has no track
+  std::shared_ptr<const TrackSampler> moves;  ///< the clips that rules play; null: none
   std::vector<double> q0, v0;                 ///< [nq], [nv] position and velocity at time 0
   std::vector<int> feet;                      ///< indices of links, from find_feet
   std::size_t q_offset = 0, v_offset = 0;     ///< index of the first number of q, and of v, in a state payload

@@ -558,6 +558,8 @@ std::set<std::string> Session::used_motions() const {
   std::set<std::string> used;
   for (const content::ScenarioCharacter& c : project_.scenario().characters)
     for (const content::ScenarioClip& clip : c.track) used.insert(clip.motion);
+  for (const content::Rule& r : project_.scenario().rules)
+    if (r.action.type == content::ActionType::play) used.insert(r.action.motion);
   return used;
 }
 

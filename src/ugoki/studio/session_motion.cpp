@@ -33,6 +33,7 @@ std::string free_id(const content::Scenario& scenario, char letter) {
     for (const content::ScenarioClip& clip : c.track) used.insert(clip.id);
   }
   for (const content::ScenarioEvent& e : scenario.events) used.insert(e.id);
+  for (const content::Rule& r : scenario.rules) used.insert(r.id);
   for (int n = 1;; ++n)
     if (std::string id = letter + std::to_string(n); !used.contains(id)) return id;
 }

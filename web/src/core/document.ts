@@ -4,6 +4,7 @@
  */
 import { apply_changes, type Change, type Circuit } from './circuit/form';
 import type { Vec3 } from './protocol';
+import type { Rule } from './rules';
 
 /** Place on the floor of a character's first frame, world frame, m. Without clips: place of its neutral pose. */
 export interface Place {
@@ -106,6 +107,8 @@ export interface ScenarioDocument {
   events: ScenarioEvent[];
   /** Absent: there are none. */
   markers?: Marker[];
+  /** By falling priority. Absent: there are none. */
+  rules?: Rule[];
   /** Absent or null: the whole scenario is played. */
   range?: PlayRange | null;
   camera?: { follow?: string | null; distance?: number; azimuth?: number; elevation?: number };
@@ -129,7 +132,11 @@ export type Command =
   | { type: 'marker.add'; id?: string; time: number; name?: string }
   | { type: 'marker.set'; id: string; time?: number; name?: string }
   | { type: 'marker.remove'; id: string }
-  | ({ type: 'scenario.set' } & Partial<Omit<ScenarioDocument, 'version' | 'characters' | 'events' | 'circuit'>>)
+  | { type: 'rule.add'; rule: Omit<Rule, 'id'> & { id?: string }; at?: number }
+  | { type: 'rule.set'; id: string; rule: Partial<Omit<Rule, 'id'>> }
+  | { type: 'rule.move'; id: string; at: number }
+  | { type: 'rule.remove'; id: string }
+  | ({ type: 'scenario.set' } & Partial<Omit<ScenarioDocument, 'version' | 'characters' | 'events' | 'rules' | 'circuit'>>)
   | { type: 'circuit.set'; circuit: Circuit | null }
   | { type: 'circuit.edit'; label: string; changes: Change[] }
   | { type: 'group'; label: string; commands: Command[] };
@@ -208,6 +215,24 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
     }
     case 'marker.remove':
       return { ...doc, markers: (doc.markers ?? []).filter((m) => m.id !== command.id) };
+    case 'rule.add': {
+      const { id } = command.rule;
+      if (id === undefined) return doc;
+      const rules = [...(doc.rules ?? [])];
+      rules.splice(command.at ?? rules.length, 0, { ...command.rule, id });
+      return { ...doc, rules };
+    }
+    case 'rule.set':
+      return { ...doc, rules: (doc.rules ?? []).map((r) => (r.id === command.id ? { ...r, ...command.rule } : r)) };
+    case 'rule.move': {
+      const moved = doc.rules?.find((r) => r.id === command.id);
+      if (!moved) return doc;
+      const rules = doc.rules!.filter((r) => r !== moved);
+      rules.splice(command.at, 0, moved);
+      return { ...doc, rules };
+    }
+    case 'rule.remove':
+      return { ...doc, rules: (doc.rules ?? []).filter((r) => r.id !== command.id) };
     case 'event.add': {
       const { id } = command.event;
       return id === undefined ? doc : { ...doc, events: [...doc.events, { ...command.event, id }].sort((a, b) => a.time - b.time) };

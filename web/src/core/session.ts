@@ -41,6 +41,8 @@ export class Session {
   readonly controls = new PlayControls((input) => this.client.post({ op: 'input', ...input }, (error) => this.fail(error)));
   /** The last `watch` request, as JSON; empty if it must be sent again. */
   private watched = '';
+  /** Outputs whose values the rules panel shows. */
+  private watched_rules: string[] = [];
   private watched_circuit: { pins: string[]; probes: string[]; timing: boolean } = { pins: [], probes: [], timing: false };
   private readonly client: Client;
   private readonly seeks: LatestOnly<number>;
@@ -303,13 +305,20 @@ export class Session {
     this.send_watch();
   }
 
+  /** Selects outputs whose live values the rules panel shows, in addition to those of watch(). */
+  watch_rules(pins: string[]): void {
+    this.watched_rules = pins;
+    this.send_watch();
+  }
+
   /** Sends the `watch` request for the circuit's live data and the viewport's closest pairs, if the request changed. */
   private send_watch(): void {
     const { closest } = this.state.view;
-    const wanted = JSON.stringify([this.watched_circuit, closest]);
+    const request = { ...this.watched_circuit, pins: [...new Set([...this.watched_circuit.pins, ...this.watched_rules])], closest };
+    const wanted = JSON.stringify(request);
     if (wanted === this.watched || this.state.connection !== 'open') return;
     this.watched = wanted;
-    this.client.request({ op: 'watch', ...this.watched_circuit, closest }).catch(() => (this.watched = ''));
+    this.client.request({ op: 'watch', ...request }).catch(() => (this.watched = ''));
   }
 
   // ---- breakpoints: the service owns the list; each change sends the whole list ----

@@ -16,6 +16,7 @@ export type Selection =
   /** Two or more clips and events. */
   | { kind: 'items'; items: readonly Item[] }
   | { kind: 'marker'; marker: string }
+  | { kind: 'rule'; rule: string }
   | { kind: 'entry'; entry: string }
   /** The selection is in the wiring editor (EditorState). */
   | { kind: 'circuit' };
@@ -33,6 +34,8 @@ export interface ViewOptions {
   contacts: boolean;
   /** Show lines between the closest points of characters and objects, with their distance. */
   closest: boolean;
+  /** Show the collision shapes of bodies instead of their smooth surface. */
+  shapes: boolean;
   follow: boolean;
   assist: boolean;
 }
@@ -128,7 +131,7 @@ export const initial_state: StudioState = {
   library_revision: 0,
   mechanisms: {},
   selection: { kind: 'none' },
-  view: { perspective: true, ghosts: false, trail: false, contacts: false, closest: false, follow: false, assist: true },
+  view: { perspective: true, ghosts: false, trail: false, contacts: false, closest: false, shapes: false, follow: false, assist: true },
   keymap: 'industry',
   theme: 'dark',
   toasts: [],
@@ -180,6 +183,8 @@ export function valid_selection(selection: Selection, document: ScenarioDocument
       return document.events.some((e) => e.id === selection.event) ? selection : none;
     case 'items':
       return valid_items(selection, document);
+    case 'rule':
+      return document.rules?.some((r) => r.id === selection.rule) ? selection : none;
     case 'marker':
       return document.markers?.some((m) => m.id === selection.marker) ? selection : none;
     default:

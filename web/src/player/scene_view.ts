@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, type Frame } from '../core/frames';
 import { CameraRig } from '../view/camera';
+import { hidden_layer } from '../view/body_view';
 import { CharacterView, mechanism_geometries, type LinkTag } from '../view/character_view';
 import { Arrow, assist_color, ContactDiscs, Spring } from '../view/overlays';
 import { shadow_reach, Stage, type StageOptions } from '../view/stage';
@@ -45,6 +46,7 @@ export class SceneView {
 
   constructor(readonly canvas: HTMLCanvasElement, readonly scene: Scene, options: SceneOptions) {
     this.stage = new Stage(canvas, options);
+    this.raycaster.layers.enable(hidden_layer);
     const geometries = scene.mechanisms.map(mechanism_geometries);
     this.characters = scene.characters.map((c, index) => {
       const view = new CharacterView(String(index), scene.mechanisms[c.mechanism]!, geometries[c.mechanism]!, c.color || '#e6e6ea');

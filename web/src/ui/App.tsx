@@ -13,6 +13,7 @@ import { NaturalnessPanel } from './NaturalnessPanel';
 import { ClipMenu } from './motion/ClipMenu';
 import { MotionDialog } from './motion/MotionDialog';
 import { Tasks } from './motion/Tasks';
+import { RulesPanel } from './rules/RulesPanel';
 import { ScenarioPanel } from './ScenarioPanel';
 import { TopBar } from './TopBar';
 import { ViewportPanel } from './ViewportPanel';
@@ -27,6 +28,7 @@ const components: Record<string, FunctionComponent> = {
   naturalness: NaturalnessPanel,
   log: LogPanel,
   circuit: CircuitPanel,
+  rules: RulesPanel,
 };
 
 const toggle_maximized = (api: { isMaximized(): boolean; maximize(): void; exitMaximized(): void }): void => (api.isMaximized() ? api.exitMaximized() : api.maximize());
@@ -73,7 +75,7 @@ function default_layout(api: DockviewApi): void {
   viewport.group.header.hidden = true;
   viewport.group.locked = true;
   const scenario = api.addPanel({ id: 'scenario', component: 'scenario', title: 'Scenario', renderer: 'always', initialHeight: height, position: { referencePanel: 'viewport', direction: 'below' } });
-  add_circuit(api);
+  add_missing(api);
   api.addPanel({ id: 'naturalness', component: 'naturalness', title: 'Naturalness', inactive: true, position: { referencePanel: 'scenario', direction: 'within' } });
   api.addPanel({ id: 'log', component: 'log', title: 'Log', inactive: true, position: { referencePanel: 'scenario', direction: 'within' } });
   const narrow = window.innerWidth < 1400;
@@ -83,10 +85,10 @@ function default_layout(api: DockviewApi): void {
   scenario.api.setActive();
 }
 
-/** Adds the circuit panel if the layout has none: layouts stored by older versions lack it. */
-function add_circuit(api: DockviewApi): void {
-  if (api.getPanel('circuit')) return;
-  api.addPanel({ id: 'circuit', component: 'circuit', title: 'Circuit', inactive: true, position: { referencePanel: 'scenario', direction: 'within', index: 1 } });
+/** Adds the panels that layouts stored by older versions lack. */
+function add_missing(api: DockviewApi): void {
+  for (const [id, title, index] of [['rules', 'Rules', 1], ['circuit', 'Circuit', 2]] as const)
+    if (!api.getPanel(id)) api.addPanel({ id, component: id, title, inactive: true, position: { referencePanel: 'scenario', direction: 'within', index } });
 }
 
 const min_viewport_width = 320; // px; with a smaller viewport the panels shrink with the window
@@ -222,7 +224,7 @@ export function App(): ReactElement {
     dock.current = api;
     if (frame.current) api.layout(frame.current.clientWidth, frame.current.clientHeight, true); // panel sizes are stored relative to the dock's size
     if (!restore_layout(api)) default_layout(api);
-    add_circuit(api);
+    add_missing(api);
     parts.reset_layout = () => {
       default_layout(api);
       requestAnimationFrame(() => parts.fit_timeline());

@@ -111,6 +111,7 @@ function ViewOptionsBar(): ReactElement {
   const view = useStudio((s) => s.view);
   const keymap = useStudio((s) => s.keymap);
   const options: [keyof typeof view, string, string][] = [
+    ['shapes', 'Shapes', 'view.shapes'],
     ['ghosts', 'Ghosts', 'view.ghosts'],
     ['contacts', 'Contacts', 'view.contacts'],
     ['closest', 'Distances', 'view.closest'],

@@ -3,6 +3,8 @@ import { content_end, find_character, find_clip, find_event, fit_blends, free_na
 import { all_items, duplicate_items, remove_items, selection_of } from '../core/items';
 import { next_span, timed_measures, type BadSpan } from '../core/measures';
 import type { AppCommand } from '../core/commands';
+import { character_for_rule, new_condition, type Rule } from '../core/rules';
+import { selected_character } from '../core/state';
 import { reads_anything } from '../core/play_controls';
 import type { StudioState, ViewOptions } from '../core/state';
 import { RequestError, type ServiceError } from '../core/protocol';
@@ -37,6 +39,7 @@ function remove_selection(): void {
   else if (selection.kind === 'clip') void session.edit({ type: 'clip.remove', character: selection.character, id: selection.clip });
   else if (selection.kind === 'event') void session.edit({ type: 'event.remove', id: selection.event });
   else if (selection.kind === 'character') void session.edit({ type: 'character.remove', id: selection.character });
+  else if (selection.kind === 'rule') void session.edit({ type: 'rule.remove', id: selection.rule });
   else if (selection.kind === 'circuit') circuit.remove();
 }
 
@@ -109,6 +112,37 @@ export function add_motion(character: string, motion: string, start: number): vo
     return;
   }
   insert_clip(character, { motion, start, id: session.fresh_id('k'), ...(entry?.duration ? { length: entry.duration } : {}) });
+}
+
+/** New rules that the menu offers. */
+export const rule_templates = [
+  { id: 'pressed', label: 'When a key is pressed, play…', hint: 'The motion plays once; then the track goes on' },
+  { id: 'held', label: 'While a key is held, play…', hint: 'The motion repeats until the key is released' },
+  { id: 'touch', label: 'When something touches, play…', hint: 'A touch of two bodies, or of a body and the ground' },
+  { id: 'near', label: 'When something is near, play…', hint: 'The distance of two characters falls below a bound' },
+  { id: 'time', label: 'When a time has passed, play…', hint: 'At a time of the scenario' },
+  { id: 'push', label: 'When a key is pressed, push…', hint: 'A force acts on a part of a character' },
+] as const;
+
+/** Adds a rule of a template for the selected character, shows the rules panel, and selects the rule. */
+export function add_rule(template: (typeof rule_templates)[number]['id']): void {
+  const { document } = state();
+  const character = document && character_for_rule(document, selected_character(state()) ?? undefined);
+  if (!document || !character) return;
+  if (template === 'near' && document.characters.length < 2) return session.notify('A distance needs two characters. Add another one first.');
+  const motion = character.track[0]?.motion;
+  if (template !== 'push' && !motion) return session.notify(`${character.name} has no clip. Drag a motion onto its track first; it plays while no rule is active.`);
+  const id = session.fresh_id('r');
+  const held = template === 'held';
+  const action: Rule['do'] = template === 'push' || !motion
+    ? { type: 'push', character: character.id, link: '', force: [200, 0, 0], duration: 0.2 }
+    : { type: 'play', character: character.id, motion, speed: 1, blend: 0.3, loop: held };
+  const condition = new_condition(template === 'touch' || template === 'near' || template === 'time' ? template : 'key', document, character.id);
+  void session.edit({ type: 'rule.add', rule: { id, on: true, mode: held ? 'while' : 'when', if: [condition], do: action } }).then((ok) => {
+    if (!ok) return;
+    parts.show_panel('rules');
+    session.select({ kind: 'rule', rule: id });
+  });
 }
 
 const ground_height = (): number => state().document?.ground?.height ?? 0;
@@ -366,6 +400,7 @@ const commands: AppCommand[] = [
   { id: 'view.all', label: 'Frame all', group: 'View', keys: ['A'], run: () => parts.viewport?.frame_all() },
   { id: 'view.follow', label: 'Follow the character with the camera', group: 'View', keys: ['L'], run: toggle('follow') },
   { id: 'view.perspective', label: 'Switch between perspective and orthographic', group: 'View', keys: ['5', 'P'], run: toggle('perspective') },
+  { id: 'view.shapes', label: 'Show collision shapes or smooth bodies', group: 'View', keys: ['B'], run: toggle('shapes') },
   { id: 'view.ghosts', label: 'Show or hide ghosts', group: 'View', keys: ['O'], run: toggle('ghosts') },
   { id: 'view.trail', label: 'Show or hide the trail of the centre of mass', group: 'View', keys: ['T'], run: toggle('trail') },
   { id: 'view.contacts', label: 'Show or hide contact forces', group: 'View', keys: ['C'], run: toggle('contacts') },
@@ -386,6 +421,7 @@ const commands: AppCommand[] = [
   { id: 'view.initial', label: 'View as stored in the project', group: 'View', keys: ['0'], run: initial_view },
   { id: 'view.top', label: 'View from above', group: 'View', keys: ['7'], run: look_from(-Math.PI / 2, 1.55) },
 
+  { id: 'rule.add', label: 'Add a rule for the selected character', group: 'Rules', keys: ['R'], enabled: () => (state().document?.characters.length ?? 0) > 0, run: () => add_rule('pressed') },
   { id: 'circuit.add', label: 'Add an LSI…', group: 'Circuit', enabled: has_canvas, run: () => parts.circuit?.open_search() },
   { id: 'circuit.note', label: 'Add a note', group: 'Circuit', enabled: has_canvas, run: () => circuit.add_note(parts.circuit!.point()) },
   { id: 'circuit.group', label: 'Group the selected LSIs into a circuit', group: 'Circuit', enabled: () => circuit.state.nodes.size > 0, run: () => circuit.group() },
@@ -407,7 +443,7 @@ const commands: AppCommand[] = [
   } },
   { id: 'page.large', label: 'Maximise or restore the panel', group: 'Page', keys: ['Ctrl+Space'], run: () => parts.toggle_maximized() },
   { id: 'page.layout', label: 'Reset the layout', group: 'Page', run: () => parts.reset_layout() },
-  ...(['library', 'inspector', 'scenario', 'circuit', 'naturalness', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
+  ...(['library', 'inspector', 'scenario', 'rules', 'circuit', 'naturalness', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
   {
     id: 'page.escape', label: 'Close, release or deselect', group: 'Page', keys: ['Escape'],
     run: () => {

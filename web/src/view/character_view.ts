@@ -4,10 +4,13 @@ import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeom
 import { mergeGeometries, mergeVertices } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { Frame, CharacterFrame } from '../core/frames';
 import type { LinkData, MechanismData, ShapeData } from '../core/protocol';
+import { BodySkin, body_surface, hidden_layer, LinkBones, type Glow } from './body_view';
+import type { BodySurface } from './body_surface';
 import { surface_geometry, type Surfaces } from './surfaces';
 
 const pose_position = new THREE.Vector3();
 const pose_rotation = new THREE.Quaternion();
+const pose_matrix = new THREE.Matrix4();
 const unit_scale = new THREE.Vector3(1, 1, 1);
 
 /** Number of segments around a round shape of radius `r` (m): 14 ... 40, so that its outline looks round in close view. */
@@ -59,7 +62,12 @@ export interface LinkTag {
 
 export type Emphasis = 'none' | 'hover' | 'selected' | 'pulled';
 
-/** The three.js object that shows a character: a group with one mesh for each link. Geometries are shared and not owned. */
+const glows: Record<Emphasis, Glow> = { none: [0, 0], hover: [0.09, 0], selected: [0, 0.34], pulled: [0, 0.5] };
+
+/**
+ * The three.js object that shows a character: a group with one mesh for each link, and for a body its smooth surface, which is drawn instead
+ * of the link meshes. Geometries are shared and not owned.
+ */
 export class CharacterView {
   readonly group = new THREE.Group();
   /** Mesh of each link; null for links without shapes. */
@@ -67,6 +75,8 @@ export class CharacterView {
   private readonly plain: THREE.MeshStandardMaterial;
   private readonly emphasised: Record<Exclude<Emphasis, 'none'>, THREE.MeshStandardMaterial>;
   private readonly shown: Emphasis[];
+  /** The smooth surface; null if the mechanism is no body, or the surface is not wanted. */
+  private readonly skin: BodySkin | null;
   /** Materials of single links (color_links). */
   private readonly own: THREE.MeshStandardMaterial[] = [];
 
@@ -75,7 +85,11 @@ export class CharacterView {
     readonly mechanism: MechanismData,
     geometries: (THREE.BufferGeometry | null)[],
     color: string,
+    /** False: the links are always drawn one by one. */
+    smooth = true,
   ) {
+    const surface = smooth ? body_surface(mechanism) : null;
+    this.skin = surface && new BodySkin(surface, color);
     this.plain = new THREE.MeshStandardMaterial({ color, roughness: 0.58, metalness: 0 });
     const tinted = (emissive: number, intensity: number): THREE.MeshStandardMaterial =>
       new THREE.MeshStandardMaterial({ color, roughness: 0.58, emissive, emissiveIntensity: intensity });
@@ -93,10 +107,22 @@ export class CharacterView {
       this.group.add(mesh);
       return mesh;
     });
+    if (this.skin) {
+      this.group.add(this.skin.mesh);
+      for (const mesh of this.links) mesh?.layers.set(hidden_layer);
+    }
     this.place_neutral();
   }
 
+  /** Draws the collision shapes of the links instead of the smooth surface, or the other way round. */
+  show_shapes(on: boolean): void {
+    if (!this.skin || this.skin.mesh.visible === !on) return;
+    this.skin.mesh.visible = !on;
+    for (const mesh of this.links) mesh?.layers.set(on ? 0 : hidden_layer);
+  }
+
   set_color(color: string): void {
+    this.skin?.material.color.set(color);
     this.plain.color.set(color);
     for (const material of Object.values(this.emphasised)) material.color.set(color);
   }
@@ -129,40 +155,54 @@ export class CharacterView {
     if (!mesh || this.shown[link] === emphasis) return;
     this.shown[link] = emphasis;
     mesh.material = emphasis === 'none' ? this.plain : this.emphasised[emphasis];
+    this.skin?.set_glow(link, glows[emphasis]);
   }
 
   /** Poses all links as in the neutral position. */
   place_neutral(): void {
     this.mechanism.links.forEach((link, index) => {
       const p = link.neutral;
-      if (p) set_pose(this.links[index], p, 0);
+      if (p) this.set_pose(index, p, 0);
     });
   }
 
   /** Poses all links as in a frame. */
   place(frame: Frame, character: CharacterFrame): void {
     const count = Math.min(character.links, this.links.length);
-    for (let i = 0; i < count; i++) set_pose(this.links[i], frame.floats, character.poses + 7 * i);
+    for (let i = 0; i < count; i++) this.set_pose(i, frame.floats, character.poses + 7 * i);
+  }
+
+  private set_pose(link: number, values: ArrayLike<number>, at: number): void {
+    const pose = read_pose(values, at);
+    place_mesh(this.links[link], pose);
+    this.skin?.bones.set(link, pose);
   }
 
   /** Poses all links from packed values of a preview: x y z (m) qw qx qy qz for each link, starting at index `at`. */
   place_poses(values: Float32Array, at: number, links: number): void {
     const count = Math.min(links, this.links.length);
-    for (let i = 0; i < count; i++) set_pose(this.links[i], values, at + 7 * i);
+    for (let i = 0; i < count; i++) this.set_pose(i, values, at + 7 * i);
   }
 
   dispose(): void {
+    this.skin?.material.dispose();
+    this.skin?.bones.skeleton.dispose();
     this.plain.dispose();
     for (const material of this.own) material.dispose();
     for (const material of Object.values(this.emphasised)) material.dispose();
   }
 }
 
-function set_pose(mesh: THREE.Mesh | null | undefined, values: ArrayLike<number>, at: number): void {
-  if (!mesh) return;
+/** The packed pose as a matrix, which the next call changes. */
+function read_pose(values: ArrayLike<number>, at: number): THREE.Matrix4 {
   pose_position.set(values[at]!, values[at + 1]!, values[at + 2]!);
   pose_rotation.set(values[at + 4]!, values[at + 5]!, values[at + 6]!, values[at + 3]!);
-  mesh.matrix.compose(pose_position, pose_rotation, unit_scale);
+  return pose_matrix.compose(pose_position, pose_rotation, unit_scale);
+}
+
+function place_mesh(mesh: THREE.Mesh | null | undefined, pose: THREE.Matrix4): void {
+  if (!mesh) return;
+  mesh.matrix.copy(pose);
   mesh.matrixWorldNeedsUpdate = true;
 }
 
@@ -184,12 +224,14 @@ export function lowest_point(mechanism: MechanismData): number {
 /** A ghost: the character at another time as an even, transparent silhouette. Depth is drawn first, so that inner surfaces stay hidden. */
 export class Ghost {
   readonly group = new THREE.Group();
-  private readonly pairs: ([THREE.Mesh, THREE.Mesh] | null)[];
+  /** Meshes of each link; empty if the surface is drawn. */
+  private readonly pairs: ([THREE.Mesh, THREE.Mesh] | null)[] = [];
+  private readonly bones: LinkBones | null = null;
   private readonly color_material: THREE.MeshStandardMaterial;
   private readonly depth_material: THREE.MeshBasicMaterial;
 
-  /** @param order index of the ghost of its character; fixes the draw order */
-  constructor(geometries: (THREE.BufferGeometry | null)[], order: number) {
+  /** @param order index of the ghost of its character; fixes the draw order  @param surface smooth surface; null: the links are drawn */
+  constructor(geometries: (THREE.BufferGeometry | null)[], order: number, surface: BodySurface | null) {
     this.depth_material = new THREE.MeshBasicMaterial({ colorWrite: false });
     this.color_material = new THREE.MeshStandardMaterial({
       color: 0x8fb3c4,
@@ -200,6 +242,16 @@ export class Ghost {
       depthWrite: false,
     });
     this.depth_material.transparent = true; // so that the depth is drawn after the solid bodies, before the ghost's colour
+    this.group.visible = false;
+    if (surface) {
+      this.bones = new LinkBones(surface);
+      [this.depth_material, this.color_material].forEach((material, i) => {
+        const mesh = this.bones!.mesh(surface, material);
+        mesh.renderOrder = 10 + i + 2 * order;
+        this.group.add(mesh);
+      });
+      return;
+    }
     this.pairs = geometries.map((geometry) => {
       if (!geometry) return null;
       const make = (material: THREE.Material, render_order: number): THREE.Mesh => {
@@ -211,18 +263,15 @@ export class Ghost {
       };
       return [make(this.depth_material, 10 + 2 * order), make(this.color_material, 11 + 2 * order)];
     });
-    this.group.visible = false;
   }
 
   /** Shows the character as in `frame`. @param opacity 0 ... 1 */
   show(frame: Frame, character: CharacterFrame, opacity: number): void {
     this.color_material.opacity = opacity;
-    const count = Math.min(character.links, this.pairs.length);
-    for (let i = 0; i < count; i++) {
-      const pair = this.pairs[i];
-      if (!pair) continue;
-      set_pose(pair[0], frame.floats, character.poses + 7 * i);
-      set_pose(pair[1], frame.floats, character.poses + 7 * i);
+    for (let i = 0; i < character.links; i++) {
+      const pose = read_pose(frame.floats, character.poses + 7 * i);
+      this.bones?.set(i, pose);
+      for (const mesh of this.pairs[i] ?? []) place_mesh(mesh, pose);
     }
     this.group.visible = true;
   }

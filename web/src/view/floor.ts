@@ -152,7 +152,8 @@ export class Floor {
   place_patches(scene: THREE.Scene, light: THREE.DirectionalLight): void {
     const groups = new Map<THREE.Object3D | null, THREE.Mesh[]>();
     scene.traverseVisible((o) => {
-      if (!(o instanceof THREE.Mesh) || !o.castShadow) return;
+      // the bounds of a surface that follows links are those of the links, which are in the scene too
+      if (!(o instanceof THREE.Mesh) || !o.castShadow || o instanceof THREE.SkinnedMesh) return;
       const group = groups.get(o.parent);
       if (group) group.push(o);
       else groups.set(o.parent, [o]);

@@ -10,6 +10,7 @@ import type { MechanismData } from '../core/protocol';
 import type { Session } from '../core/session';
 import { selected_character, shown_document, type StudioState } from '../core/state';
 import { CameraRig } from './camera';
+import { body_surface, hidden_layer } from './body_view';
 import { CharacterView, Ghost, mechanism_geometries, type LinkTag } from './character_view';
 import { Arrow, assist_color, ContactDiscs, make_ring, Polyline, Segments, Spring } from './overlays';
 import { shadow_reach, Stage } from './stage';
@@ -78,6 +79,7 @@ export class Viewport {
     private readonly report_states: (states: Record<string, CharacterState>) => void,
   ) {
     this.stage = new Stage(canvas);
+    this.raycaster.layers.enable(hidden_layer);
     for (let i = 0; i < max_contact_arrows; i++) {
       const arrow = new Arrow(0xfdba74, 0.009);
       this.contact_arrows.push(arrow);
@@ -297,7 +299,7 @@ export class Viewport {
     }
     const entry: Drawn = {
       character_view: new CharacterView(id, mechanism, geometries, color),
-      ghosts: ghost_offsets.map((_offset, index) => new Ghost(geometries, index)),
+      ghosts: ghost_offsets.map((_offset, index) => new Ghost(geometries, index, body_surface(mechanism))),
       assist: new Arrow(0x34d399, 0.011, true),
       trail: new Polyline(0xff9d5c, 1.6, 0.8),
       offset: new THREE.Vector3(),
@@ -413,6 +415,7 @@ export class Viewport {
       const character_frame = frame?.characters[index];
       if (!entry || !character_frame || !frame) return;
       const com = new THREE.Vector3(...centre_of_mass(frame, character_frame)).add(entry.offset);
+      entry.character_view.show_shapes(view.shapes);
       this.draw_ghosts(entry, index, frame, view.ghosts);
       if (view.trail) this.draw_trail(entry, index, frame);
       else entry.trail.hide();

@@ -1,0 +1,182 @@
+#include "ugoki/content/rule_circuit.h"
+
+#include <algorithm>
+
+namespace ugoki::content {
+namespace {
+
+using circuit::Circuit;
+using circuit::Instance;
+
+constexpr double column = 240, row = 130;  // spacing of LSIs in the editor, px
+constexpr double top = -260;               // y of the lowest row of rules, above the other LSIs, px
+
+class Maker {
+ public:
+  Maker(Circuit& circuit, const Scenario& scenario) : c_(circuit), s_(scenario) {}
+
+  void make() {
+    std::size_t left = 0;
+    for (const Rule& rule : s_.rules) left += rule.on ? rule.conditions.size() : 0;
+    y_ = top - row * static_cast<double>(left);
+    std::string events = "event.events";
+    for (const Rule& rule : s_.rules) {
+      if (!rule.on) continue;
+      std::string id = "rule-" + rule.id;
+      std::replace(id.begin(), id.end(), '.', '_');  // '.' separates LSI and pin
+      if (rule.action.type == ActionType::push) {
+        const std::string condition = conditions(rule, id);
+        Instance& lsi = add(id, "push", 3, y_ - row);
+        lsi.parameters = {{"character", rule.action.character},
+                          {"link", rule.action.link},
+                          {"duration", rule.mode == RuleMode::when ? rule.action.duration : 0.0}};
+        const Vec3& f = rule.action.force;
+        lsi.values = {{"force", std::vector<double>{f.x, f.y, f.z}}};
+        wire(events, id + ".events");
+        wire(condition, id + ".when");
+        events = id + ".events";
+      } else if (!choice_of(rule.action.character).empty()) {
+        play(rule, id);
+      }
+    }
+    if (events == "event.events") return;
+    for (circuit::Wire& w : c_.wires)
+      if (w.to == "dynamics.events") w.from = events;
+    for (circuit::BoundaryPin& pin : c_.outputs)
+      if (pin.name == "events") pin.ends = {events};
+  }
+
+ private:
+  /// Id of the character's LSI `motion choice`; empty: it has none.
+  [[nodiscard]] std::string choice_of(const std::string& character) const { return find("motion choice", character); }
+  /// Id of the LSI of a class that belongs to a character; empty: there is none.
+  [[nodiscard]] std::string find(std::string_view type, const std::string& character) const {
+    for (const Instance& lsi : c_.lsis) {
+      if (lsi.type != type) continue;
+      for (const auto& [name, value] : lsi.parameters)
+        if (name == "character" && value == circuit::Value(character)) return lsi.id;
+    }
+    return {};
+  }
+
+  /// Number of the rule's motion among the motions of its character, from 1.
+  [[nodiscard]] double number_of(const Rule& rule) const {
+    const std::vector<const Rule*> all = play_rules(s_, rule.action.character);
+    return static_cast<double>(std::find_if(all.begin(), all.end(), [&](const Rule* r) { return r->id == rule.id; }) - all.begin()) + 1;
+  }
+
+  void play(const Rule& rule, const std::string& id) {
+    const std::string choice = choice_of(rule.action.character), condition = conditions(rule, id);
+    add(id, "play rule", 3, y_ - row).parameters = {{"number", number_of(rule)},
+                                                    {"mode", std::string(rule.mode == RuleMode::when ? "when" : "while")}};
+    wire(condition, id + ".condition");
+    wire(choice + ".now", id + ".now");
+    wire(choice + ".ended", id + ".ended");
+    // The rules of the document have falling priority, so each next rule is wired below the previous one.
+    const auto before = std::find_if(last_.begin(), last_.end(), [&](const auto& l) { return l.first == rule.action.character; });
+    if (before == last_.end()) {
+      wire(id + ".choice", choice + ".choice");
+      last_.emplace_back(rule.action.character, id);
+    } else {
+      wire(id + ".choice", before->second + ".below");
+      before->second = id;
+    }
+  }
+
+  /// Adds the LSIs of all conditions of a rule. @return the output that is above 0 while all of them are true
+  std::string conditions(const Rule& rule, const std::string& id) {
+    std::string all;
+    for (std::size_t i = 0; i < rule.conditions.size(); ++i) {
+      const std::string one = condition(rule.conditions[i], id + "-" + std::to_string(i + 1));
+      if (i == 0) {
+        all = one;
+      } else {
+        const std::string both = id + "-and" + std::to_string(i + 1);
+        add(both, "and", 2, y_);
+        wire(all, both + ".a");
+        wire(one, both + ".b");
+        all = both + ".out";
+      }
+      y_ += row;
+    }
+    return all;
+  }
+
+  std::string condition(const RuleCondition& c, const std::string& id) {
+    std::string out = plain_condition(c, id);
+    if (!c.negated) return out;
+    add(id + "-not", "not", 1, y_ + row / 2);
+    wire(out, id + "-not.in");
+    return id + "-not.out";
+  }
+
+  std::string plain_condition(const RuleCondition& c, const std::string& id) {
+    using enum ConditionType;
+    switch (c.type) {
+      case key: add(id, "keyboard", 0, y_).parameters = {{"key", c.key}}; return id + ".pressed";
+      case touch:
+        add(id, "touch", 0, y_).parameters = {
+            {"character", c.character}, {"link", c.link}, {"other", c.other}, {"other link", c.other_link}};
+        wire("dynamics.contacts", id + ".contacts");
+        return id + ".touching";
+      case near:
+        add(id + "-pair", "closest pair", 0, y_).parameters = {{"character", c.character}, {"other", c.other}};
+        wire("status.state", id + "-pair.state");
+        return compare(id, "a", c.distance, "b", id + "-pair.distance");
+      case time: add(id + "-clock", "clock", 0, y_); return compare(id, "b", c.time, "a", id + "-clock.time");
+      case playing: {
+        const std::string choice = choice_of(c.character);
+        const auto rule = std::find_if(s_.rules.begin(), s_.rules.end(), [&](const Rule& r) { return r.id == c.rule; });
+        if (choice.empty()) return constant(id, c.rule.empty() ? 1 : 0);
+        if (!c.rule.empty() && (rule == s_.rules.end() || !rule->on)) return constant(id, 0);
+        Instance& equal = add(id, "equal", 0, y_);
+        equal.values = {{"b", c.rule.empty() ? 0.0 : number_of(*rule)}};
+        wire(choice + ".now", id + ".a");
+        return id + ".out";
+      }
+      case released: {
+        std::string control = find("motion control", c.character);
+        if (control.empty()) control = find("balance control", c.character);
+        if (control.empty()) return constant(id, 0);
+        add(id, "joint value", 0, y_).parameters = {{"index", 8.0}};  // lsi::report_released
+        add(id + "-delay", "delay", 1, y_);                            // the report depends on the motion that plays
+        wire(control + ".report", id + ".in");
+        wire(id + ".out", id + "-delay.in");
+        return id + "-delay.out";
+      }
+    }
+    return constant(id, 0);
+  }
+
+  std::string constant(const std::string& id, double value) {
+    add(id, "constant", 0, y_).parameters = {{"value", value}};
+    return id + ".out";
+  }
+  /// Adds "a > b" with one fixed value. @return its output
+  std::string compare(const std::string& id, const char* fixed, double value, const char* wired, const std::string& from) {
+    add(id, "compare", 1, y_).values = {{fixed, value}};
+    wire(from, id + "." + wired);
+    return id + ".out";
+  }
+
+  Instance& add(std::string id, std::string type, int at_column, double y) {
+    Instance lsi;
+    lsi.id = std::move(id);
+    lsi.type = std::move(type);
+    lsi.at = {column * at_column, y};
+    c_.lsis.push_back(std::move(lsi));
+    return c_.lsis.back();
+  }
+  void wire(std::string from, std::string to) { c_.wires.push_back({std::move(from), std::move(to)}); }
+
+  Circuit& c_;
+  const Scenario& s_;
+  double y_ = 0;
+  std::vector<std::pair<std::string, std::string>> last_;  // [characters] id, and the LSI of its last rule so far
+};
+
+}  // namespace
+
+void add_rules(Circuit& circuit, const Scenario& scenario) { Maker(circuit, scenario).make(); }
+
+}  // namespace ugoki::content

@@ -1,0 +1,185 @@
+// Rules of the scenario document: JSON form, checks, commands, the generated circuit, and the run of a content with rules.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "fixture.h"
+#include "ugoki/circuit/interpreter.h"
+#include "ugoki/content/commands.h"
+#include "ugoki/content/default_circuit.h"
+#include "ugoki/content/player.h"
+#include "ugoki/lsi/standard_library.h"
+
+namespace ugoki::content {
+namespace {
+
+using testing::make_resources;
+using testing::make_scenario;
+
+/// One rule of each kind of condition and action, for the scenario of fixture.h.
+constexpr const char* all_rules[] = {
+    R"({"id": "r1", "mode": "while", "if": [{"type": "key", "key": "KeyW"}], "do": {"type": "play", "character": "human", "motion": "n-step", "loop": true}})",
+    R"({"id": "r2", "if": [{"type": "touch", "character": "ball", "other": "human", "other_link": "leg"}],
+        "do": {"type": "play", "character": "human", "motion": "n-walk", "speed": 1.5, "blend": 0.1}})",
+    R"({"id": "r3", "if": [{"type": "near", "character": "human", "other": "ball", "distance": 0.4}, {"type": "key", "key": "Space", "not": true}],
+        "do": {"type": "push", "character": "ball", "link": "ball", "force": [1, 2, 3], "duration": 0.1}})",
+    R"({"id": "r4", "mode": "while", "if": [{"type": "time", "time": 2}, {"type": "playing", "character": "human", "rule": "r1"}],
+        "do": {"type": "push", "character": "human", "force": [5, 0, 0]}})",
+    R"({"id": "r5", "on": false, "if": [{"type": "released", "character": "human"}], "do": {"type": "push", "character": "human", "force": [0, 0, 1]}})",
+};
+
+class RulesTest : public ::testing::Test {
+ protected:
+  void good(const std::string& command) {
+    auto effect = apply_command(document, command, catalogue, next_id);
+    ASSERT_TRUE(effect) << command << "\n" << effect.error().text();
+    document = std::move(effect->scenario);
+    label = effect->label;
+  }
+  void bad(const std::string& rule, ErrorCode code, const std::string& location) {
+    const auto effect = apply_command(document, R"({"type": "rule.add", "rule": )" + rule + "}", catalogue, next_id);
+    ASSERT_FALSE(effect) << rule;
+    EXPECT_EQ(effect.error().problems.front().code, code) << effect.error().text();
+    EXPECT_EQ(effect.error().problems.front().location, location) << effect.error().text();
+    EXPECT_FALSE(effect.error().problems.front().remedy.empty());
+  }
+  void add_all() {
+    for (const char* rule : all_rules) good(R"({"type": "rule.add", "rule": )" + std::string(rule) + "}");
+  }
+  [[nodiscard]] std::vector<std::string> ids() const {
+    std::vector<std::string> out;
+    for (const Rule& r : document.rules) out.push_back(r.id);
+    return out;
+  }
+
+  Resources resources = make_resources();
+  Catalogue catalogue = catalogue_of(resources);
+  Scenario document = make_scenario();
+  std::uint64_t next_id = 1;
+  std::string label;
+};
+
+using Ids = std::vector<std::string>;
+
+TEST_F(RulesTest, DocumentKeepsRulesInTheirOrder) {
+  add_all();
+  const std::string text = write_scenario(document);
+  const Result<Scenario> read = read_scenario(text, "scenario");
+  ASSERT_TRUE(read) << read.error().text();
+  EXPECT_EQ(*read, document);
+  EXPECT_EQ(write_scenario(*read), text);
+  EXPECT_EQ(ids(), (Ids{"r1", "r2", "r3", "r4", "r5"}));
+}
+
+TEST_F(RulesTest, DocumentWithoutRulesDoesNotNameThem) { EXPECT_EQ(write_scenario(document).find("rules"), std::string::npos); }
+
+TEST_F(RulesTest, CommandsChangeMoveAndRemoveRules) {
+  add_all();
+  EXPECT_EQ(label, "Add rule");
+  good(R"({"type": "rule.set", "id": "r1", "rule": {"on": false}})");
+  EXPECT_EQ(label, "Switch off rule");
+  EXPECT_FALSE(document.rules[0].on);
+  EXPECT_EQ(document.rules[0].conditions.size(), 1u) << "fields that are not given keep their value";
+  good(R"({"type": "rule.move", "id": "r1", "at": 2})");
+  EXPECT_EQ(ids(), (Ids{"r2", "r3", "r1", "r4", "r5"}));
+  good(R"({"type": "rule.add", "at": 0, "rule": {"if": [{"type": "key"}], "do": {"type": "push", "character": "ball", "force": [0, 0, 1]}}})");
+  EXPECT_EQ(document.rules[0].id, "r6") << "a new id";
+  good(R"({"type": "rule.remove", "id": "r1"})");
+  EXPECT_EQ(ids(), (Ids{"r6", "r2", "r3", "r5"})) << "r4 depends on r1";
+  good(R"({"type": "character.remove", "id": "ball"})");
+  EXPECT_EQ(ids(), (Ids{"r5"}));
+}
+
+TEST_F(RulesTest, NamesTheMotionsOfCommands) {
+  EXPECT_EQ(resources_named(R"({"type": "rule.add", "rule": {"do": {"type": "play", "motion": "n-walk"}}})"), (Ids{"n-walk"}));
+}
+
+TEST_F(RulesTest, RefusesFaultyRules) {
+  add_all();
+  const std::string at = "scenario/rules/5";
+  const std::string key = R"("if": [{"type": "key"}])", push = R"("do": {"type": "push", "character": "ball", "force": [1, 0, 0]})";
+  bad("{" + push + "}", ErrorCode::structure, at + "/if");
+  bad(R"({"if": [{"type": "key", "key": "W!"}], )" + push + "}", ErrorCode::syntax, at + "/if/0/key");
+  bad(R"({"if": [{"type": "wish"}], )" + push + "}", ErrorCode::unknown, "command/rule/if/0/type");
+  bad(R"({"if": [{"type": "touch", "character": "cat"}], )" + push + "}", ErrorCode::unknown, at + "/if/0/character");
+  bad(R"({"if": [{"type": "touch", "character": "human", "link": "nose"}], )" + push + "}", ErrorCode::unknown, at + "/if/0/link");
+  bad(R"({"if": [{"type": "near", "character": "ball", "other": "ball"}], )" + push + "}", ErrorCode::structure, at + "/if/0/other");
+  bad(R"({"if": [{"type": "near", "character": "ball", "other": "human", "distance": -1}], )" + push + "}", ErrorCode::range, at + "/if/0/distance");
+  bad(R"({"if": [{"type": "playing", "character": "human", "rule": "r3"}], )" + push + "}", ErrorCode::unknown, at + "/if/0/rule");
+  bad(R"({"if": [{"type": "key", "distance": 2}], )" + push + "}", ErrorCode::unknown, "command/rule/if/0/distance");
+  bad("{" + key + R"(, "do": {"type": "play", "character": "human", "motion": "n-none"}})", ErrorCode::unknown, at + "/do/motion");
+  bad("{" + key + R"(, "do": {"type": "play", "character": "ball", "motion": "n-walk"}})", ErrorCode::structure, at + "/do/motion");
+  bad("{" + key + R"(, "do": {"type": "play", "character": "human", "motion": "n-walk", "speed": 0}})", ErrorCode::range, at + "/do/speed");
+  bad("{" + key + R"(, "do": {"type": "push", "character": "human", "link": "nose"}})", ErrorCode::unknown, at + "/do/link");
+}
+
+TEST_F(RulesTest, PlayedPartHasNoRulesOfMutedCharacters) {
+  add_all();
+  good(R"({"type": "character.set", "id": "ball", "muted": true})");
+  const Scenario played = played_part(document);
+  Ids left;
+  for (const Rule& r : played.rules) left.push_back(r.id);
+  EXPECT_EQ(left, (Ids{"r1", "r4", "r5"}));
+}
+
+TEST_F(RulesTest, GeneratedCircuitHasOneActionForEachRule) {
+  const std::string plain = default_circuit(document);
+  add_all();
+  const Result<circuit::Circuit> c = circuit::read_circuit(default_circuit(document));
+  ASSERT_TRUE(c);
+  const auto type_of = [&](const std::string& id) {
+    const auto found = std::find_if(c->lsis.begin(), c->lsis.end(), [&](const circuit::Instance& l) { return l.id == id; });
+    return found == c->lsis.end() ? std::string() : found->type;
+  };
+  EXPECT_EQ(type_of("rule-r1"), "play rule");
+  EXPECT_EQ(type_of("rule-r2"), "play rule");
+  EXPECT_EQ(type_of("rule-r3"), "push");
+  EXPECT_EQ(type_of("rule-r4"), "push");
+  EXPECT_EQ(type_of("rule-r5"), "") << "the rule is off";
+  EXPECT_EQ(type_of("choice-human"), "motion choice");
+  const auto wired = [&](const char* from, const char* to) {
+    return std::any_of(c->wires.begin(), c->wires.end(), [&](const circuit::Wire& w) { return w.from == from && w.to == to; });
+  };
+  EXPECT_TRUE(wired("rule-r1.choice", "choice-human.choice")) << "the first rule has priority";
+  EXPECT_TRUE(wired("rule-r2.choice", "rule-r1.below"));
+  EXPECT_TRUE(wired("rule-r3.events", "rule-r4.events"));
+  EXPECT_TRUE(wired("rule-r4.events", "dynamics.events"));
+  document.rules.clear();
+  EXPECT_EQ(default_circuit(document), plain);
+}
+
+/// Runs the document for `seconds` while `keys` are held. @return the player
+Player run(const Scenario& document, const Resources& resources, const std::vector<std::string>& keys, double seconds) {
+  const auto bytes = generate(document, resources);
+  EXPECT_TRUE(bytes) << (bytes ? "" : bytes.error().text());
+  auto player = Player::open(*bytes, "test");
+  EXPECT_TRUE(player) << (player ? "" : player.error().text());
+  circuit::DeviceState held;
+  held.keys = keys;
+  player->hold(held);
+  for (int i = 0; i < static_cast<int>(seconds / document.step); ++i) EXPECT_TRUE(player->step()) << i;
+  return std::move(*player);
+}
+double value(Player& player, const char* pin) { return player.interpreter().find_output(pin)->numbers()[0]; }
+
+TEST_F(RulesTest, AllKindsOfRulesRun) {
+  add_all();
+  Player idle = run(document, resources, {}, 0.5), held = run(document, resources, {"KeyW"}, 0.5);
+  EXPECT_EQ(value(idle, "choice-human.now"), 0);
+  EXPECT_EQ(value(held, "choice-human.now"), 1);
+  EXPECT_EQ(value(held, "rule-r1.count"), 1);
+  EXPECT_EQ(value(idle, "rule-r4.active"), 0);
+  Player later = run(document, resources, {"KeyW"}, 2.1);
+  EXPECT_EQ(value(later, "rule-r4.active"), 1) << "2 s have passed while r1 plays";
+}
+
+TEST_F(RulesTest, RulesOfACharacterWithoutMotionControlHaveNoEffect) {
+  add_all();
+  document.characters[0].control.mode = ControlMode::passive;
+  Player player = run(document, resources, {"KeyW"}, 0.1);
+  EXPECT_FALSE(player.interpreter().find_output("rule-r1.count"));
+}
+
+}  // namespace
+}  // namespace ugoki::content

@@ -1,0 +1,126 @@
+// Journeys for rules: interactive content without wiring.
+import assert from 'node:assert/strict';
+import { fileURLToPath } from 'node:url';
+import { document_of, set_mode, until } from './browser.mjs';
+import { mock } from './service.mjs';
+
+const skip = mock && 'the mock service has no simulation';
+const pictures = fileURLToPath(new URL('./out/', import.meta.url));
+const hook = (page, expression) => page.evaluate(`window.ugoki.${expression}`);
+const rules_become = (page, fits, description) => until(page, async () => fits((await document_of(page)).rules ?? []), description);
+const chip = (page, row, label) => page.locator('.rule').nth(row).getByLabel(label, { exact: true });
+
+export const rule_journeys = [
+  {
+    name: 'rules: a game with keys and a touch is made by mouse, plays, and is undone',
+    async run({ page }) {
+      await set_mode(page, 'Edit');
+      const before = await document_of(page);
+      const human = before.characters.find((c) => c.track.length > 0);
+      const ball = before.characters.find((c) => c.control.mode === 'passive');
+      await page.locator(`[data-character="${human.id}"] .track-name`).click();
+      await page.getByRole('tab', { name: 'Rules' }).click();
+      await page.getByText('Rules make the content interactive').waitFor();
+      await page.screenshot({ path: `${pictures}rules-empty.png` });
+
+      // while J is held, stand
+      await page.getByRole('button', { name: 'While a key is held, play…' }).click();
+      await rules_become(page, (r) => r.length === 1 && r[0].mode === 'while' && r[0].do.loop, 'the first rule');
+      await page.locator('.rule').first().getByRole('button', { name: /^Key / }).click();
+      await page.keyboard.press('j');
+      await rules_become(page, (r) => r[0].if[0].key === 'KeyJ', 'the key');
+      assert.equal((await hook(page, 'transport()')).mode, 'edit', 'the key went to the rule');
+      const motions = await chip(page, 0, 'Motion').locator('option').allTextContents();
+      assert.ok(motions.some((m) => m.includes('Stand')) && motions.every((m) => !m.includes('Trot')), `only motions that fit: ${motions}`);
+      await chip(page, 0, 'Motion').selectOption({ label: motions.find((m) => m.includes('Stand')) });
+      await rules_become(page, (r) => r[0].do.motion !== human.track[0].motion, 'the motion');
+
+      // when the ball touches the human, push the ball
+      await page.getByRole('button', { name: '+ Rule' }).click();
+      await page.screenshot({ path: `${pictures}rules-menu.png` });
+      await page.getByRole('menuitem', { name: 'When something touches, play…' }).click();
+      await rules_become(page, (r) => r.length === 2 && r[1].if[0].character === ball.id && r[1].if[0].other === human.id, 'the second rule');
+      await chip(page, 1, 'Action').selectOption('push');
+      await chip(page, 1, 'Character of the action').selectOption(ball.id);
+      await chip(page, 1, 'What is touched').selectOption('ground');
+      const force = page.locator('.rule').nth(1).getByLabel('Force Z');
+      await force.fill('60');
+      await force.press('Enter');
+      await chip(page, 1, 'Force X').fill('0');
+      await chip(page, 1, 'Force X').press('Enter');
+      await rules_become(page, (r) => r[1].if[0].other === 'ground' && r[1].do.force[2] === 60 && r[1].do.force[0] === 0, 'a ball that jumps from the ground');
+
+      // when K is pressed while it stands, walk once: a transition between two states
+      await page.keyboard.press('Escape');
+      await page.locator(`.rules-head`).click();
+      await page.keyboard.press('r');
+      await rules_become(page, (r) => r.length === 3, 'the third rule by the key R');
+      await page.getByRole('button', { name: 'Add a condition to rule 3' }).click();
+      await rules_become(page, (r) => r[2].if.length === 2, 'the second condition');
+      await chip(page, 2, 'Kind of condition').nth(1).selectOption('playing');
+      await chip(page, 2, 'Motion that plays').selectOption({ index: 1 });
+      await rules_become(page, (r) => r[2].if[1].rule === r[0].id, 'the transition');
+      await page.getByRole('button', { name: 'Move rule 3 up' }).click();
+      await rules_become(page, (r) => r[1].if.length === 2, 'the higher priority');
+      for (const [width, height] of [[1440, 900], [1280, 720], [1024, 640]]) {
+        await page.setViewportSize({ width, height });
+        await page.waitForTimeout(500);
+        await page.screenshot({ path: `${pictures}rules-${width}.png` });
+      }
+      await page.setViewportSize({ width: 1440, height: 900 });
+      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+      await page.waitForTimeout(300);
+      await page.screenshot({ path: `${pictures}rules-light.png` });
+      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+
+      // the generated circuit has the rules
+      await page.getByRole('button', { name: 'Show as circuit' }).click();
+      await until(page, async () => (await hook(page, 'circuit()'))?.lsis.some((l) => l.type === 'motion choice'), 'the generated circuit');
+      await page.getByRole('tab', { name: 'Rules' }).click();
+
+      // play: J is held, the character stands
+      await set_mode(page, 'Simulate');
+      const enter = page.getByRole('button', { name: /^Play controls/ });
+      await enter.waitFor({ timeout: 20000 });
+      await enter.click();
+      const count = (row) => page.locator('.rule').nth(row).locator('.rule-count').textContent();
+      const first = page.locator('.rule').first();
+      await until(page, async () => /\d+×|now/.test(await count(2)), 'the ball touches the ground');
+      assert.equal(await first.getAttribute('data-active'), 'false');
+      await page.keyboard.down('j');
+      await until(page, async () => (await first.getAttribute('data-active')) === 'true', 'the rule is active');
+      await until(page, async () => (await page.locator('.rule-state[data-active=true] strong').textContent()).includes('Stand'), 'the state is marked');
+      await page.screenshot({ path: `${pictures}rules-play.png` });
+      // the walk ends: the centre of mass comes to rest
+      const place = async () => (await hook(page, `character(${JSON.stringify(human.id)})`)).com;
+      await until(page, async () => {
+        const [a, at] = [await place(), (await hook(page, 'transport()')).time];
+        await page.waitForTimeout(400);
+        const [b, later] = [await place(), (await hook(page, 'transport()')).time];
+        return later > at && Math.hypot(b[0] - a[0], b[1] - a[1]) / (later - at) < 0.25;
+      }, 'the human stands');
+      await page.keyboard.up('j');
+      await until(page, async () => (await first.getAttribute('data-active')) === 'false', 'the rule ends');
+      assert.equal(await count(0), '1×');
+      await until(page, async () => {
+        const a = await place();
+        await page.waitForTimeout(500);
+        const b = await place();
+        return Math.hypot(b[0] - a[0], b[1] - a[1]) > 0.15;
+      }, 'the human walks on');
+      await page.keyboard.press('Escape');
+
+      // undo to the start
+      await set_mode(page, 'Edit');
+      await page.locator(`.rules-head`).click();
+      while (JSON.stringify(await document_of(page)) !== JSON.stringify(before)) {
+        const { undo_label, can_undo } = await hook(page, 'undo()');
+        assert.ok(can_undo && /rule/i.test(undo_label), `undo “${undo_label}”`);
+        await page.keyboard.press('Control+z');
+        await page.waitForTimeout(250);
+      }
+      await page.getByText('Rules make the content interactive').waitFor();
+      await page.getByRole('tab', { name: 'Scenario' }).click();
+    },
+  },
+].map((journey) => ({ ...journey, skip }));

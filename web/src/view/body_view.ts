@@ -1,0 +1,78 @@
+/** Drawing of a body's smooth surface: a mesh that follows the links, and highlights single links. */
+import * as THREE from 'three';
+import type { MechanismData } from '../core/protocol';
+import { make_body_surface, max_links, type BodySurface } from './body_surface';
+
+const surfaces = new WeakMap<MechanismData, BodySurface | null>();
+
+/** The surface of a mechanism, made at the first call; null if the mechanism is no body. All characters of the mechanism share it. */
+export function body_surface(mechanism: MechanismData): BodySurface | null {
+  let surface = surfaces.get(mechanism);
+  if (surface === undefined) {
+    surface = make_body_surface(mechanism);
+    surfaces.set(mechanism, surface);
+  }
+  return surface;
+}
+
+/** Link meshes that only receive rays and determine the place of shadows, because a surface is drawn instead of them. */
+export const hidden_layer = 1;
+
+/** Bones with the world poses of the links. */
+export class LinkBones {
+  readonly skeleton: THREE.Skeleton;
+
+  constructor(surface: BodySurface) {
+    const bones = surface.inverses.map(() => {
+      const bone = new THREE.Bone();
+      bone.matrixAutoUpdate = bone.matrixWorldAutoUpdate = false;
+      return bone;
+    });
+    this.skeleton = new THREE.Skeleton(bones, surface.inverses);
+  }
+
+  set(link: number, pose: THREE.Matrix4): void {
+    this.skeleton.bones[link]?.matrixWorld.copy(pose);
+  }
+
+  /** A mesh of the surface that follows these bones. */
+  mesh(surface: BodySurface, material: THREE.Material): THREE.SkinnedMesh {
+    const mesh = new THREE.SkinnedMesh(surface.geometry, material);
+    mesh.bindMode = THREE.DetachedBindMode;
+    mesh.bind(this.skeleton, new THREE.Matrix4());
+    mesh.frustumCulled = false; // the bounding sphere is that of the bind pose
+    mesh.raycast = () => undefined; // rays hit the shapes of the links
+    return mesh;
+  }
+}
+
+/** Highlight of a link: amount of white and of the accent colour that it emits. */
+export type Glow = readonly [white: number, accent: number];
+
+/** The surface of one character. */
+export class BodySkin {
+  readonly mesh: THREE.SkinnedMesh;
+  readonly bones: LinkBones;
+  readonly material: THREE.MeshStandardMaterial;
+  private readonly glow = { value: Array.from({ length: max_links }, () => new THREE.Vector2()) };
+
+  constructor(surface: BodySurface, color: THREE.ColorRepresentation) {
+    this.material = new THREE.MeshStandardMaterial({ color, roughness: 0.62, metalness: 0 });
+    this.material.onBeforeCompile = (shader) => {
+      shader.uniforms.u_glow = this.glow;
+      shader.vertexShader = shader.vertexShader
+        .replace('#include <skinning_pars_vertex>', `#include <skinning_pars_vertex>\nuniform vec2 u_glow[${max_links}];\nvarying vec2 v_glow;`)
+        .replace('#include <skinning_vertex>', '#include <skinning_vertex>\nv_glow = skinWeight.x * u_glow[int(skinIndex.x)] + skinWeight.y * u_glow[int(skinIndex.y)] + skinWeight.z * u_glow[int(skinIndex.z)] + skinWeight.w * u_glow[int(skinIndex.w)];');
+      shader.fragmentShader = shader.fragmentShader
+        .replace('#include <common>', '#include <common>\nvarying vec2 v_glow;')
+        .replace('#include <emissivemap_fragment>', '#include <emissivemap_fragment>\ntotalEmissiveRadiance += v_glow.x * vec3(1.0) + v_glow.y * vec3(1.0, 0.254, 0.047);');
+    };
+    this.bones = new LinkBones(surface);
+    this.mesh = this.bones.mesh(surface, this.material);
+    this.mesh.castShadow = this.mesh.receiveShadow = true;
+  }
+
+  set_glow(link: number, [white, accent]: Glow): void {
+    this.glow.value[link]?.set(white, accent);
+  }
+}

@@ -1,0 +1,104 @@
+import * as THREE from 'three';
+import { describe, expect, it } from 'vitest';
+import type { MechanismData } from '../src/core/protocol';
+import { make_body_surface, type BodySurface } from '../src/view/body_surface';
+import { BodyField, bind_poses } from '../src/view/body_field';
+
+type Link = { label: string; parent: number; at: [number, number, number]; shape: object };
+const mechanism = (links: Link[]): MechanismData =>
+  ({
+    id: 'm', name: 'Body', dofs: 6, mass: 1, height: 1,
+    links: links.map((l, i) => ({ name: `link ${i}`, label: l.label, parent: l.parent, joint: 'spherical', dofs: 3, neutral: [...l.at, 1, 0, 0, 0], shapes: [{ pose: [0, 0, 0, 1, 0, 0, 0], ...l.shape }] })),
+  }) as unknown as MechanismData;
+
+const radius = 0.1;
+/** Spheres that do not touch each other. */
+const spheres = mechanism(Array.from({ length: 8 }, (_, i) => ({ label: `part ${i}`, parent: i - 1, at: [0.5 * i, 0.1 * i, 0], shape: { type: 'sphere', radius } })));
+/** A chain of equal capsules along z, each of which begins at the end of the previous one. */
+const chain = mechanism(Array.from({ length: 8 }, (_, i) => ({ label: `part ${i} left`, parent: i - 1, at: [0, 0, 0.3 * i], shape: { type: 'capsule', radius, half_length: 0.15, pose: [0, 0, 0.15, 1, 0, 0, 0] } })));
+
+const made = { spheres: make_body_surface(spheres)!, chain: make_body_surface(chain)! };
+const points = (s: BodySurface): THREE.Vector3[] => {
+  const p = s.geometry.getAttribute('position');
+  return Array.from({ length: p.count }, (_, i) => new THREE.Vector3().fromBufferAttribute(p, i));
+};
+/** Enclosed volume by the divergence theorem, m^3. */
+function volume(s: BodySurface): number {
+  const p = points(s);
+  const index = s.geometry.index!.array;
+  let out = 0;
+  for (let i = 0; i < index.length; i += 3) out += p[index[i]!]!.dot(p[index[i + 1]!]!.clone().cross(p[index[i + 2]!]!)) / 6;
+  return out;
+}
+
+describe('the surface of a body', () => {
+  it('is a closed mesh whose normals point outwards', () => {
+    for (const body of [made.spheres, made.chain]) {
+      const index = body.geometry.index!.array;
+      const edges = new Map<string, number>();
+      for (let i = 0; i < index.length; i += 3)
+        for (let k = 0; k < 3; k++) {
+          const [a, b] = [index[i + k]!, index[i + ((k + 1) % 3)]!];
+          edges.set(`${a}>${b}`, (edges.get(`${a}>${b}`) ?? 0) + 1);
+        }
+      for (const edge of edges.keys()) expect(edges.has(edge.split('>').reverse().join('>'))).toBe(true);
+      expect(volume(body)).toBeGreaterThan(0);
+    }
+  });
+
+  it('has the shape of spheres that are not connected by overlap', () => {
+    const surface = made.spheres;
+    const centres = spheres.links.map((l) => new THREE.Vector3(...(l.neutral!.slice(0, 3) as [number, number, number])));
+    const normal = surface.geometry.getAttribute('normal');
+    points(surface).forEach((p, i) => {
+      const nearest = centres.reduce((a, b) => (a.distanceTo(p) < b.distanceTo(p) ? a : b));
+      expect(Math.abs(p.distanceTo(nearest) - radius)).toBeLessThan(5e-4);
+      expect(new THREE.Vector3().fromBufferAttribute(normal, i).dot(p.clone().sub(nearest).normalize())).toBeGreaterThan(0.99);
+    });
+    const exact = 8 * (4 / 3) * Math.PI * radius ** 3;
+    expect(Math.abs(volume(surface) / exact - 1)).toBeLessThan(0.06); // facets of 1/130 of the body's length lie inside the spheres
+  });
+
+  it('encloses the shapes, and a limb is at most a quarter of its radius thicker at joints', () => {
+    const surface = made.chain;
+    for (const p of points(surface)) {
+      const along = Math.max(0, Math.min(2.4, p.z));
+      const away = Math.hypot(p.x, p.y, p.z - along);
+      expect(away).toBeGreaterThan(radius - 1e-3);
+      expect(away).toBeLessThan(1.25 * radius);
+    }
+  });
+
+  it('follows the links by weights that are 1 in sum and belong to connected links', () => {
+    const { geometry } = made.chain;
+    const [links, weights] = [geometry.getAttribute('skinIndex'), geometry.getAttribute('skinWeight')];
+    points(made.chain).forEach((p, i) => {
+      const used = [0, 1, 2, 3].filter((k) => weights.getComponent(i, k) > 0);
+      expect(used.reduce((sum, k) => sum + weights.getComponent(i, k), 0)).toBeCloseTo(1, 5);
+      const indices = used.map((k) => links.getComponent(i, k));
+      expect(Math.max(...indices) - Math.min(...indices)).toBeLessThanOrEqual(2);
+      // in the middle of a link, only this link acts
+      const middle = (((p.z / 0.3) % 1) + 1) % 1;
+      if (p.z > 0 && p.z < 2.4 && Math.abs(middle - 0.5) < 0.1) expect(indices).toEqual([Math.floor(p.z / 0.3)]);
+    });
+  });
+
+  it('is made for bodies only', () => {
+    expect(make_body_surface(mechanism(chain.links.slice(0, 4).map((l) => ({ label: l.label ?? '', parent: l.parent, at: [0, 0, 0], shape: l.shapes[0]! }))))).toBeNull();
+    expect(make_body_surface({ ...chain, links: chain.links.map((l) => ({ ...l, label: '' })) })).toBeNull();
+  });
+
+  it('is made with legs apart', () => {
+    const links: Link[] = [{ label: 'pelvis', parent: -1, at: [0, 0, 1], shape: { type: 'sphere', radius } }];
+    for (const [side, y] of [['left', 0.1], ['right', -0.1]] as const) {
+      links.push({ label: `thigh ${side}`, parent: 0, at: [0, y, 0.9], shape: { type: 'capsule', radius: 0.09, half_length: 0.2, pose: [0, 0, -0.2, 1, 0, 0, 0] } });
+      links.push({ label: `shank ${side}`, parent: links.length - 1, at: [0, y, 0.5], shape: { type: 'sphere', radius: 0.06 } });
+    }
+    const poses = bind_poses(mechanism(links));
+    const y = (i: number): number => new THREE.Vector3().setFromMatrixPosition(poses[i]!).y;
+    expect(y(2)).toBeGreaterThan(0.15);
+    expect(y(4)).toBeLessThan(-0.15);
+    const field = new BodyField(mechanism(links), poses);
+    expect(field.distance(0, 0, 0.5)).toBeGreaterThan(0.03);
+  });
+});
