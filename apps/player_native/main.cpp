@@ -167,6 +167,12 @@ int main(int argc, char** argv) {
   if (!payload) return print_error(payload.error(), o.as_json);
   Result<content::Player> player = content::Player::open(payload->ugx, name);
   if (!player) return print_error(player.error(), o.as_json);
+  std::error_code ignored;
+  for (const auto& [what, path] :
+       {std::pair<const char*, std::string>{"this program", "/proc/self/exe"}, {"the file of --inputs", o.inputs}})
+    if (!o.out.empty() && !path.empty() && std::filesystem::equivalent(o.out, path, ignored))
+      return print_error(Error(ErrorCode::conflict, o.out, std::string("The output is ") + what + ".", "Name another file with --out."),
+                         o.as_json);
   if (!o.inputs.empty()) {
     const Result<std::string> text = files::read_file(o.inputs);
     if (!text) return print_error(text.error(), o.as_json);

@@ -236,11 +236,12 @@ int run_convert(const Options& o) {
     const Result<Written> written = write(*content, o);
     if (!written) return print_error(written.error(), o.json);
     if (const Result<void> may = check_written(o, *written); !may) return print_error(may.error(), o.json);
+    std::vector<files::FileText> all = {{o.output, written->bytes}};
     for (const auto& [path, text] : written->extra_files) {
-      if (Result<void> done = files::write_file(path, text); !done) return print_error(done.error(), o.json);
+      all.push_back({path, text});
       extra_files.push_back(path);
     }
-    if (Result<void> done = files::write_file(o.output, written->bytes); !done) return print_error(done.error(), o.json);
+    if (Result<void> done = files::write_files(all); !done) return print_error(done.error(), o.json);
     report.insert(report.end(), written->notes.begin(), written->notes.end());
   }
   if (o.json) {

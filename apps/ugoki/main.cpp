@@ -1,8 +1,10 @@
 // The program `ugoki`: each verb of the command line has a file of its own.
 
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <string>
@@ -21,6 +23,17 @@ int finish(int status) {
   return ugoki::cli::print_error({ugoki::ErrorCode::io, "standard output", "The output could not be written" + why + ".",
                                   "Check the disk and the limit of the file size (`ulimit -f`), then run the command again."},
                                  false);
+}
+
+/// Checks that no option with a number was given as NaN: comparisons with the limits of an option's range do not exclude NaN.
+void refuse_nan(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_type_name().find("FLOAT") == std::string::npos) continue;
+    for (const std::string& value : option->results())
+      if (std::isnan(std::strtod(value.c_str(), nullptr)))
+        throw CLI::ValidationError(option->get_name(), "Value " + value + " is not a number");
+  }
+  for (const CLI::App* verb : app.get_subcommands()) refuse_nan(*verb);
 }
 
 }  // namespace
@@ -53,8 +66,9 @@ int main(int argc, char** argv) {
   add_retarget_verb(app, action);
   try {
     app.parse(argc, argv);
+    refuse_nan(app);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    return app.exit(error) == 0 ? finish(0) : 2;
   }
   try {
     return action ? finish(action()) : 2;

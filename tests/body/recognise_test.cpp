@@ -105,6 +105,25 @@ TEST(Recognise, NoFramesAndNoJointsAreNoCharacter) {
   EXPECT_EQ(recognise_character(still).plan, BodyPlan::other);
 }
 
+// A joint with N children has N^2 / 2 pairs of similar branches. All pairs of pairs of this star would take more than an hour.
+TEST(Recognise, StarsWithThousandsOfBranchesAreRecognisedInBoundedWork) {
+  MeasuredMotion star;
+  star.rate = 30;
+  star.frames = 1;
+  star.skeleton.joints.emplace_back();
+  star.skeleton.joints[0].name = "hub";
+  for (int i = 0; i < 3000; ++i) {
+    MeasuredJoint ray;
+    ray.name = "ray" + std::to_string(i);
+    ray.parent = 0;
+    ray.offset = {ugoki::sin_cos(0.002 * i).cos, ugoki::sin_cos(0.002 * i).sin, 1};
+    star.skeleton.joints.push_back(ray);
+  }
+  star.translations.assign(star.skeleton.joints.size(), {});
+  star.rotations.assign(star.skeleton.joints.size(), {});
+  EXPECT_NE(recognise_character(star).plan, BodyPlan::human);
+}
+
 TEST(Mapping, TheRecognisedMappingGivesTheSameCharacter) {
   const MeasuredMotion motion = testing::made_character(60);
   const Character before = recognise_character(motion);

@@ -164,6 +164,21 @@ TEST_F(OutputFilesCliTest, TablesOfSweepsAreContinued) {
   EXPECT_EQ(read(path("b.csv")), table);
 }
 
+TEST_F(OutputFilesCliTest, MotionAndSkeletonAreWrittenTogetherOrNotAtAll) {
+  const std::string bvh = walk("real.bvh"), skeleton = write("d.asf", "precious");
+  fs::create_directory(path("d.amc"));
+  fails({"convert", bvh, path("d.amc")}, "folder");
+  EXPECT_EQ(read(skeleton), "precious");
+  for (const auto& entry : fs::directory_iterator(folder_)) EXPECT_NE(entry.path().filename().string().substr(0, 6), ".ugoki");
+}
+
+TEST_F(OutputFilesCliTest, NotANumberIsOutOfEveryRange) {
+  const std::string bvh = walk("real.bvh");
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"run", bvh, "--duration", "nan"}, {"run", bvh, "--assist-limit", "-NaN"}, {"import", bvh, "--height", "nan(3)"}})
+    EXPECT_EQ(ugoki(arguments).status, 2) << arguments[2];
+}
+
 TEST_F(OutputFilesCliTest, DevicesAreNotReadAndPipesStay) {
   for (const char* verb : {"info", "run", "judge"}) fails({verb, "/dev/zero"}, "device");
   fs::create_symlink("/dev/zero", path("walk.bvh"));

@@ -228,5 +228,19 @@ TEST_F(Files, WritingWithoutPermissionIsRefused) {
   fs::permissions(folder_, fs::perms::owner_all);
 }
 
+TEST_F(Files, SeveralFilesAreReplacedTogetherOrNotAtAll) {
+  ASSERT_TRUE(write_file(path("a"), "old a"));
+  ASSERT_TRUE(write_file(path("b"), "old b"));
+  std::filesystem::create_directory(path("folder"));
+  const std::vector<FileText> refused = {{path("a"), "new a"}, {path("b"), "new b"}, {path("folder"), "text"}};
+  EXPECT_FALSE(write_files(refused));
+  EXPECT_EQ(*read_file(path("a")), "old a");
+  EXPECT_EQ(*read_file(path("b")), "old b");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("")), {}), 3) << "temporary files are removed";
+  EXPECT_TRUE(write_files(std::span(refused).first(2)));
+  EXPECT_EQ(*read_file(path("a")), "new a");
+  EXPECT_EQ(*read_file(path("b")), "new b");
+}
+
 }  // namespace
 }  // namespace ugoki::files

@@ -40,6 +40,9 @@ TEST_F(StudioProjectTest, AnotherProjectIsOpenedInPlaceOfTheOpenOne) {
   EXPECT_EQ(a.ask({{"op", "hello"}})["document"]["name"], "chest");
   for (const json& wrong : {json("castle"), json(3), json{{"scenario", 1}}})
     EXPECT_FALSE(a.ask({{"op", "new"}, {"path", "x"}, {"from", wrong}})["ok"]) << wrong;
+  // At the character NUL the system would cut a path off, so that every proposed name would mean the same existing file.
+  for (const char* op : {"new", "open", "save"})
+    EXPECT_FALSE(a.ask({{"op", op}, {"path", std::string("meadow.ugoki\0.ugoki", 19)}, {"from", "empty"}})["ok"]) << op;
   EXPECT_FALSE(a.ask({{"op", "open"}, {"path", "nothing-there"}})["ok"]);
   EXPECT_EQ(a.ask({{"op", "hello"}})["document"]["name"], "chest") << "after an error the project stays open";
 

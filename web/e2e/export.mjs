@@ -151,6 +151,11 @@ await test('the native program refuses damaged content and wrong inputs', () => 
   const done = spawnSync(at('damaged'), ['--headless'], { encoding: 'utf8' });
   expect(done.status === 1 && /damaged \(checksum\)/.test(done.stderr), done.stderr);
   writeFileSync(at('wrong.json'), JSON.stringify({ inputs: [{ step: 3, type: 'push', character: 'nobody', link: 0, force: [1, 0, 0], duration: 1 }] }));
+  for (const own of ['wrong.json', 'park']) {
+    const before = readFileSync(at(own));
+    const none = spawnSync(at('park'), ['--headless', '--frames', '2', '--inputs', at('wrong.json'), '--out', at(own)], { encoding: 'utf8' });
+    expect(none.status === 1 && /Name another file/.test(none.stderr) && readFileSync(at(own)).equals(before), none.stderr);
+  }
   const wrong = spawnSync(at('park'), ['--headless', '--inputs', at('wrong.json')], { encoding: 'utf8' });
   expect(wrong.status === 1 && /inputs\/0\/character.*nobody/.test(wrong.stderr), wrong.stderr);
 });

@@ -3,7 +3,10 @@
 // recognise_correction.cpp applies corrections of the caller.
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <numeric>
+#include <span>
 
 #include "ugoki/base/number.h"
 #include "ugoki/body/joint_names.h"
@@ -64,6 +67,7 @@ class Recogniser {
   /// Finds the longest path below each joint, and the branches that are long enough for a limb. Helper joints begin no branch.
   void find_branches() {
     const auto n = at(n_);
+    find_ignored();
     down_.assign(n, 0);
     heir_.assign(n, -1);
     for (int i = n_ - 1; i >= 0; --i) {
@@ -110,11 +114,15 @@ class Recogniser {
   }
 
   /// True if joint i has the name of a helper joint (twist, end, hair, face) and no descendant has the name of a body part.
-  [[nodiscard]] bool ignored(int i) const {
-    if (!name(i).helper) return false;
-    for (int k = i + 1; k < n_; ++k)
-      if (is_below(k, i) && !name(k).helper && name(k).part != Part::other) return false;
-    return true;
+  [[nodiscard]] bool ignored(int i) const { return ignored_[at(i)] != 0; }
+  void find_ignored() {
+    std::vector<char> named_below(at(n_), 0);  // 1: a descendant has the name of a body part
+    ignored_.assign(at(n_), 0);
+    for (int i = n_ - 1; i >= 0; --i) {
+      ignored_[at(i)] = name(i).helper && named_below[at(i)] == 0 ? 1 : 0;
+      const bool part = !name(i).helper && name(i).part != Part::other;
+      if (parent(i) >= 0 && (part || named_below[at(i)] != 0)) named_below[at(parent(i))] = 1;
+    }
   }
 
   /// Number of joints of a branch whose named part passes `test`; a helper counts 0.3; at most 3.
@@ -131,12 +139,46 @@ class Recogniser {
     return std::clamp(sum, -2.0, 2.0);
   }
 
-  /// Finds the pairs of similar branches of one joint.
+  /// Finds the pairs of similar branches of one joint. For joints with very many branches (stars, hair) only the longest branches and the
+  /// best pairs are kept, so that the cost of choose_limbs() is bounded.
   void find_pairs() {
-    for (std::size_t k = 0; k < branches_.size(); ++k)
-      for (std::size_t l = k + 1; l < branches_.size(); ++l) {
+    constexpr std::size_t max_branches = 64, max_pairs = 200;  // of one joint; pelvis and chest of public rigs have at most 30 branches
+    for (std::size_t begin = 0, end = 0; begin < branches_.size(); begin = end) {  // the branches of a joint follow each other
+      while (end < branches_.size() && branches_[end].from == branches_[begin].from) ++end;
+      std::vector<std::size_t> of_joint(end - begin);
+      std::iota(of_joint.begin(), of_joint.end(), begin);
+      const auto longer = [&](std::size_t a, std::size_t b) { return branches_[a].length > branches_[b].length; };
+      if (of_joint.size() > max_branches) {
+        std::ranges::stable_sort(of_joint, longer);
+        of_joint.resize(max_branches);
+        std::ranges::sort(of_joint);
+      }
+      const std::size_t first = pairs_.size();
+      find_pairs_of(of_joint);
+      keep_best_pairs(first, max_pairs);
+    }
+    keep_best_pairs(0, static_cast<std::size_t>(std::sqrt(3e7 / static_cast<double>(branches_.size() + 1))));
+  }
+  /// Keeps at most `count` of the pairs with index `first` and above: those with the best scores, in the same order.
+  void keep_best_pairs(std::size_t first, std::size_t count) {
+    if (pairs_.size() - first <= count) return;
+    std::vector<double> scores;
+    for (std::size_t i = first; i < pairs_.size(); ++i) scores.push_back(pairs_[i].score);
+    std::ranges::nth_element(scores, scores.begin() + static_cast<std::ptrdiff_t>(count), std::greater());
+    const double limit = scores[count];
+    std::size_t better = count;  // number of pairs at the limit that are kept
+    for (std::size_t i = first; i < pairs_.size(); ++i) better -= pairs_[i].score > limit ? 1 : 0;
+    const auto tail = std::remove_if(pairs_.begin() + static_cast<std::ptrdiff_t>(first), pairs_.end(), [&](const Pair& p) {
+      if (p.score > limit) return false;
+      return p.score < limit || better == 0 || (--better, false);
+    });
+    pairs_.erase(tail, pairs_.end());
+  }
+  void find_pairs_of(std::span<const std::size_t> of_joint) {
+    for (const std::size_t k : of_joint)
+      for (const std::size_t l : of_joint) {
+        if (l <= k) continue;
         const Branch &a = branches_[k], &b = branches_[l];
-        if (a.from != b.from) continue;
         const double unlike = std::fabs(a.length - b.length) / (a.length + b.length);
         const double sides = named_side(a) * named_side(b);  // below 0: one left, one right
         if (unlike > (sides < 0 ? 0.15 : 0.06)) continue;
@@ -471,6 +513,7 @@ class Recogniser {
   int head_given_ = -1, tail_given_ = -1;  // joints of head and tail that the correction names
   std::vector<NameEvidence> names_;
   std::vector<double> down_;    // [joints] m, length of the longest path below the joint
+  std::vector<char> ignored_;   // [joints] 1: see ignored()
   std::vector<int> heir_;       // [joints] child on the longest path below the joint
   std::vector<int> component_;  // [joints] closest of the joint and its ancestors that is a root or free
   double size_ = 0;             // m, length of the longest path between two leaf joints

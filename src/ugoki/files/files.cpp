@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 #include <vector>
 
 namespace ugoki::files {
@@ -129,49 +130,112 @@ Result<void> write_into(const std::string& path, std::span<const std::byte> byte
 Result<std::string> read_file(const std::string& path, std::size_t max_size) { return read(path, max_size, true); }
 Result<std::string> read_regular_file(const std::string& path, std::size_t max_size) { return read(path, max_size, false); }
 
-Result<void> write_file(const std::string& path, std::span<const std::byte> bytes) {
+namespace {
+
+/// A new file beside the file that it will replace. The destructor removes the new file if it was not put into place.
+class StagedFile {
+ public:
+  StagedFile() = default;
+  StagedFile(StagedFile&& other) noexcept
+      : path_(std::move(other.path_)),
+        target_(std::move(other.target_)),
+        folder_(std::move(other.folder_)),
+        temporary_(std::exchange(other.temporary_, {})) {}
+  StagedFile& operator=(StagedFile&&) = delete;
+  ~StagedFile() {
+    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  }
+
+  /// Writes the new file and flushes it to the disk. The path must not be a pipe or a device.
+  static Result<StagedFile> write(const std::string& path, std::span<const std::byte> bytes) {
+    StagedFile staged;
+    staged.path_ = path;
+    // If the path is a symbolic link, its target is replaced, not the link.
+    std::error_code link_error;
+    const std::filesystem::path resolved = std::filesystem::weakly_canonical(path, link_error);
+    staged.target_ = link_error || path.empty() ? path : resolved.string();
+    const std::filesystem::path parent = std::filesystem::path(staged.target_).parent_path();
+    const std::string folder = parent.empty() ? "." : parent.string();
+    staged.folder_ = folder;
+
+    struct stat info{};
+    if (::stat(folder.c_str(), &info) != 0)
+      return failed(path, errno == ENOENT ? "The folder " + folder + " does not exist" : "The folder " + folder + " cannot be used", errno);
+    if (!S_ISDIR(info.st_mode)) return failed(path, "The path " + folder + " is not a folder", ENOTDIR);
+    mode_t mode = 0;
+    if (::stat(staged.target_.c_str(), &info) == 0) {
+      if (S_ISDIR(info.st_mode)) return failed(path, "This is a folder, not a file", EISDIR);
+      mode = info.st_mode & 07777;
+    } else {
+      const mode_t mask = ::umask(0);
+      ::umask(mask);
+      mode = 0666 & ~mask;
+    }
+
+    std::string temporary = folder + "/.ugoki-XXXXXX";
+    Descriptor file(::mkstemp(temporary.data()));
+    if (file.get() < 0) return failed(path, "No file can be created in the folder " + folder, errno);
+    staged.temporary_ = temporary;
+    int error = 0;
+    if (!write_all(file.get(), bytes) || ::fchmod(file.get(), mode) != 0 || ::fsync(file.get()) != 0) error = errno;
+    if (!file.close() && error == 0) error = errno;
+    if (error != 0) return failed(path, "The file cannot be written", error);
+    return staged;
+  }
+
+  /// Replaces the old file.
+  Result<void> put_into_place() {
+    if (::rename(temporary_.c_str(), target_.c_str()) != 0) return failed(path_, "The file cannot be written", errno);
+    temporary_.clear();
+    // The directory entry must reach the disk too. Some file systems do not support fsync() of a folder, so its failure is ignored.
+    if (const Descriptor directory(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)); directory.get() >= 0)
+      ::fsync(directory.get());
+    return {};
+  }
+
+ private:
+  std::string path_, target_, folder_, temporary_;  // temporary_: path of the new file; empty: none
+};
+
+/// Whether bytes must be written into the existing file instead of replacing it. Error: the path is a block device or a socket.
+Result<bool> is_written_into(const std::string& path) {
   struct stat existing{};
-  if (::stat(path.c_str(), &existing) == 0) {
-    if (S_ISFIFO(existing.st_mode) || S_ISCHR(existing.st_mode)) return write_into(path, bytes);
-    if (S_ISBLK(existing.st_mode) || S_ISSOCK(existing.st_mode))
-      return fail(ErrorCode::io, path, S_ISBLK(existing.st_mode) ? "This is a device, not a file." : "This is a socket, not a file.",
-                  "Name another file.");
-  }
-  // If the path is a symbolic link, its target is replaced, not the link.
-  std::error_code link_error;
-  const std::filesystem::path resolved = std::filesystem::weakly_canonical(path, link_error);
-  const std::string target = link_error || path.empty() ? path : resolved.string();
-  const std::filesystem::path parent = std::filesystem::path(target).parent_path();
-  const std::string folder = parent.empty() ? "." : parent.string();
+  if (::stat(path.c_str(), &existing) != 0) return false;
+  if (S_ISBLK(existing.st_mode) || S_ISSOCK(existing.st_mode))
+    return fail(ErrorCode::io, path, S_ISBLK(existing.st_mode) ? "This is a device, not a file." : "This is a socket, not a file.",
+                "Name another file.");
+  return S_ISFIFO(existing.st_mode) || S_ISCHR(existing.st_mode);
+}
 
-  struct stat info{};
-  if (::stat(folder.c_str(), &info) != 0)
-    return failed(path, errno == ENOENT ? "The folder " + folder + " does not exist" : "The folder " + folder + " cannot be used", errno);
-  if (!S_ISDIR(info.st_mode)) return failed(path, "The path " + folder + " is not a folder", ENOTDIR);
-  mode_t mode = 0;
-  if (::stat(target.c_str(), &info) == 0) {
-    if (S_ISDIR(info.st_mode)) return failed(path, "This is a folder, not a file", EISDIR);
-    mode = info.st_mode & 07777;
-  } else {
-    const mode_t mask = ::umask(0);
-    ::umask(mask);
-    mode = 0666 & ~mask;
-  }
+}  // namespace
 
-  std::string temporary = folder + "/.ugoki-XXXXXX";
-  Descriptor file(::mkstemp(temporary.data()));
-  if (file.get() < 0) return failed(path, "No file can be created in the folder " + folder, errno);
-  int error = 0;
-  if (!write_all(file.get(), bytes) || ::fchmod(file.get(), mode) != 0 || ::fsync(file.get()) != 0) error = errno;
-  if (!file.close() && error == 0) error = errno;
-  if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
-  if (error != 0) {
-    ::unlink(temporary.c_str());
-    return failed(path, "The file cannot be written", error);
+Result<void> write_file(const std::string& path, std::span<const std::byte> bytes) {
+  const Result<bool> into = is_written_into(path);
+  if (!into) return fail(into.error());
+  if (*into) return write_into(path, bytes);
+  Result<StagedFile> staged = StagedFile::write(path, bytes);
+  if (!staged) return fail(std::move(staged.error()));
+  return staged->put_into_place();
+}
+
+Result<void> write_files(std::span<const FileText> files) {
+  std::vector<StagedFile> staged;
+  std::vector<const FileText*> written_into;
+  for (const FileText& f : files) {
+    const Result<bool> into = is_written_into(f.path);
+    if (!into) return fail(into.error());
+    if (*into) {
+      written_into.push_back(&f);
+      continue;
+    }
+    Result<StagedFile> one = StagedFile::write(f.path, std::as_bytes(std::span(f.text)));
+    if (!one) return fail(std::move(one.error()));
+    staged.push_back(std::move(*one));
   }
-  // The directory entry must reach the disk too. Some file systems do not support fsync() of a folder, so its failure is ignored.
-  if (const Descriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)); directory.get() >= 0)
-    ::fsync(directory.get());
+  for (StagedFile& one : staged)
+    if (Result<void> done = one.put_into_place(); !done) return done;
+  for (const FileText* f : written_into)
+    if (Result<void> done = write_into(f->path, std::as_bytes(std::span(f->text))); !done) return done;
   return {};
 }
 

@@ -33,4 +33,13 @@ inline constexpr std::size_t default_max_size = std::size_t{1} << 31;
 [[nodiscard]] Result<void> write_file(const std::string& path, std::span<const std::byte> bytes);
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view text);
 
+/// A file to write.
+struct FileText {
+  std::string path;
+  std::string text;
+};
+/// Replaces several files as write_file() does. Nothing is replaced before all new files are on the disk, so that a full disk or a missing
+/// permission leaves all old files intact. Pipes and devices are written last. A power cut can leave only some of the files replaced.
+[[nodiscard]] Result<void> write_files(std::span<const FileText> files);
+
 }  // namespace ugoki::files

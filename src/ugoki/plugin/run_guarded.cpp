@@ -104,8 +104,12 @@ Result<int> run_guarded(const std::function<int()>& work, std::chrono::milliseco
     ::close(ends[0]);
     keep_results_apart();
     guard_process(ends[1], patience);
-    const int status = work() & 0xff;
+    int status = work() & 0xff;
     std::fflush(nullptr);
+    if (status == 0 && std::ferror(results()) != 0) {  // for example a full disk
+      std::fprintf(stderr, "ugoki: standard output: The output could not be written.\n");
+      status = 1;
+    }
     const std::string report = done_report(::getpid(), status);
     [[maybe_unused]] const ssize_t n = ::write(ends[1], report.data(), report.size());
     _exit(status);

@@ -263,7 +263,7 @@ Result<std::string> Session::save(const Request& request) {
   if (path == request.json.end() || path->is_null()) {
     saved = project_.save();
   } else {
-    if (!path->is_string() || path->get<std::string>().empty()) return Request::invalid_field("path", "the path of a file");
+    if (!request.has_path("path")) return Request::invalid_field("path", "the path of a file");
     std::filesystem::path to = path->get<std::string>();
     if (to.extension() != ".ugoki") to += ".ugoki";
     if (to.is_relative()) to = std::filesystem::path(project_.path()).parent_path() / to;

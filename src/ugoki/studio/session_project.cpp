@@ -59,10 +59,8 @@ Result<content::ContentText> make_content(const Json& from) {
 }  // namespace
 
 Result<std::string> Session::open_project(const Request& request) {
-  const auto path = request.json.find("path");
-  if (path == request.json.end() || !path->is_string() || path->get<std::string>().empty())
-    return Request::invalid_field("path", "the path of a project");
-  const fs::path to = named_path(path->get<std::string>(), project_.path());
+  if (!request.has_path("path")) return Request::invalid_field("path", "the path of a project");
+  const fs::path to = named_path(request.json["path"].get<std::string>(), project_.path());
   std::error_code ignored;
   if (fs::equivalent(to, project_.path(), ignored)) return ",\"path\":" + json::to_text(project_.path());
   Result<project::Project> opened = project::Project::open(to.string());
@@ -72,14 +70,13 @@ Result<std::string> Session::open_project(const Request& request) {
 }
 
 Result<std::string> Session::new_project(const Request& request) {
-  const auto path = request.json.find("path"), from = request.json.find("from");
-  if (path == request.json.end() || !path->is_string() || path->get<std::string>().empty())
-    return Request::invalid_field("path", "the path of the new project");
+  const auto from = request.json.find("from");
+  if (!request.has_path("path")) return Request::invalid_field("path", "the path of the new project");
   if (from == request.json.end() || (*from != "empty" && *from != "sample" && !from->is_object()))
     return Request::invalid_field("from", R"("empty", "sample" or an object with scenario and mechanisms)");
   Result<content::ContentText> made = make_content(*from);
   if (!made) return fail(std::move(made.error()));
-  const fs::path to = free_path(named_path(path->get<std::string>(), project_.path()));
+  const fs::path to = free_path(named_path(request.json["path"].get<std::string>(), project_.path()));
   if (*from == "empty") made->scenario.name = to.stem().string();
   Result<project::Project> created = project::Project::create(to.string(), made->scenario, made->resources);
   if (!created) return fail(std::move(created.error()));

@@ -38,6 +38,12 @@ struct Session::Request {
     return has_number(key) && json[key].get<double>() >= min && json[key].get<double>() <= max;
   }
   [[nodiscard]] bool has_number(const char* key) const { return json.contains(key) && json[key].is_number(); }
+  /// True if the field is a text that can be a path: not empty, and without the character NUL, at which the system would cut the path off.
+  [[nodiscard]] bool has_path(const char* key) const {
+    if (!json.contains(key) || !json[key].is_string()) return false;
+    const std::string text = json[key].get<std::string>();
+    return !text.empty() && text.find('\0') == std::string::npos;
+  }
   [[nodiscard]] bool has_vector(const char* key) const {
     return json.contains(key) && json[key].is_array() && json[key].size() == 3 &&
            std::ranges::all_of(json[key], [](const json::Json& part) { return part.is_number(); });
