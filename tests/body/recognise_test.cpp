@@ -113,13 +113,13 @@ TEST(Recognise, StarsWithThousandsOfBranchesAreRecognisedInBoundedWork) {
   star.skeleton.joints.emplace_back();
   star.skeleton.joints[0].name = "hub";
   for (int i = 0; i < 3000; ++i) {
-    MeasuredJoint ray;
+    SkeletonJoint ray;
     ray.name = "ray" + std::to_string(i);
     ray.parent = 0;
     ray.offset = {ugoki::sin_cos(0.002 * i).cos, ugoki::sin_cos(0.002 * i).sin, 1};
     star.skeleton.joints.push_back(ray);
   }
-  star.translations.assign(star.skeleton.joints.size(), {});
+  for (const SkeletonJoint& joint : star.skeleton.joints) star.translations.push_back(joint.offset);
   star.rotations.assign(star.skeleton.joints.size(), {});
   EXPECT_NE(recognise_character(star).plan, BodyPlan::human);
 }
