@@ -2,10 +2,11 @@
 // Balance control: a character follows a reference motion on its own feet without an external force, and makes steps to keep its balance.
 //
 // Each tick:
-//   1. Phase. The controller advances the time of the reference: at rate 1, and faster after a foot has landed early. A foot lifts when its
-//      counterpart in the reference lifts, and stands when it touches the ground. A foot that lands late is pressed down.
-//   2. Anchor. The reference is displaced in the horizontal plane so that its standing foot coincides with the real one. No force draws the
-//      character back to the original path of the reference.
+//   1. Phase (foot_phase.h). The controller advances the time of the reference: at rate 1, and faster after a foot has landed early. A foot
+//      lifts when its counterpart in the reference lifts, and stands when it touches the ground. A foot that lands late is pressed down.
+//      In a flight, the time of the reference runs so that reference and character land together.
+//   2. Anchor (reference_anchor.h). The reference is displaced so that its standing feet coincide with the real ones, also in height. No
+//      force draws the character back to the original path of the reference.
 //   3. Centre of mass. With the error e of the centre of mass from the anchored reference, w0 = sqrt(g / height) and a gain k:
 //        c'' = c''_ref - w0 k e - (w0 + k) e'     in the horizontal plane
 //      This is the control law p = p_ref + (1 + k / w0) (xi - xi_ref) of the divergent component of motion (DCM) xi = c + c' / w0.
@@ -14,8 +15,9 @@
 //   5. Reaction steps. If the DCM leaves the support while the reference stands, a foot steps to the position that the DCM will have at
 //      the landing. The DCM of a pendulum on a point p moves by xi(T) = p + (xi - p) exp(w0 T). Several steps may follow each other. The
 //      feet stay where they have landed until the reference makes its next steps.
-//   6. A quadratic program (quadratic_program.h) finds accelerations, contact forces and torques. Only ground forces act on the root.
-//      Standing soles are constraints, and the drives stay within their limits.
+//   6. A quadratic program (balance_program.h) finds accelerations, contact forces and torques. Only ground forces act on the root.
+//      Standing soles are constraints, and drives and joints stay within their limits. A foot turns on the ground if its counterpart in
+//      the reference turns.
 //
 // Sources: Kajita et al. (2003), Englsberger et al. (2015), DCM; Khadiv et al. (2016), step adaptation; Lee, Kim, Lee (2010), correction of
 // measured motions that grows with the phase; Abe, da Silva, Popovic (2007), de Lasa et al. (2010), whole-body quadratic programs.

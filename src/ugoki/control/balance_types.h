@@ -34,7 +34,7 @@ struct BalanceOptions {
   double ground_time = 0.1;   ///< s: time constant with which the height and the slope of the reference's ground follow the real ground
   double heading_time = 0.2;  ///< s: time constant of the anchor's heading; 0: the heading is not anchored
   double turn_time = 0.1;     ///< s: time constant with which a foot that turns on the ground follows the heading of its reference
-  double shift_growth = 2;    ///< 1/s: assumed growth rate of the DCM error until touch-down; without ankle torques the rate is w0
+  double shift_growth = 1.5;  ///< 1/s: assumed growth rate of the DCM error until touch-down; without ankle torques the rate is w0
   double max_transfer = 0.3;  ///< s: maximum duration of the double support in the calculation of how far the next foothold is shifted
   double shift_time = 0.03;   ///< s: time constant with which the shift of the next foothold is updated
   double max_shift = 0.8;     ///< m: maximum shift of the next foothold from its place in the reference

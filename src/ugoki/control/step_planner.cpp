@@ -83,7 +83,8 @@ void StepPlanner::update_shifts(const BalanceModel& model, GroundSupport& suppor
       if (other == f) continue;
       const ScheduledFoot next = model.schedule.at(other, planned.end);
       // Only feet that stand already carry load until they lift. In a trot, two feet land together.
-      if (next.stands && next.begin <= state.time && std::isfinite(next.end)) double_support = std::max(double_support, next.end - planned.end);
+      if (next.stands && next.begin <= state.time && std::isfinite(next.end))
+        double_support = std::max(double_support, next.end - planned.end);
     }
     if (foot.reacts) {  // DCM of an inverted pendulum on p, the point of the support closest to the DCM
       const Vec3 dcm = horizontal(model.centroid.centre + model.centroid.velocity / model.w0);
