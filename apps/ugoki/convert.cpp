@@ -273,7 +273,8 @@ void add_convert_verb(CLI::App& app, Action& action) {
   verb->add_option("--rate", o->source.intake.rate, "Frames per second of AMC files, which do not store it")
       ->check(CLI::Range(1.0, 10000.0))
       ->capture_default_str();
-  verb->add_option("--asf", o->source.asf, "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc)");
+  verb->add_option("--skeleton,--asf", o->source.asf,
+                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or body model of SMPL files (.npz)");
   add_robot_options(*verb, o->source.robot);
   verb->add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", o->json, "Print one JSON object");

@@ -174,7 +174,8 @@ void add_import_verb(CLI::App& app, Action& action) {
   verb->add_option("--rate", options->source.intake.rate, "Frames per second of AMC files, which do not store it")
       ->check(CLI::Range(1.0, 10000.0))
       ->capture_default_str();
-  verb->add_option("--asf", options->source.asf, "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc)");
+  verb->add_option("--skeleton,--asf", options->source.asf,
+                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or body model of SMPL files (.npz)");
   add_robot_options(*verb, options->source.robot);
   verb->add_option("--bvh", options->bvh, "Also write the measured motion as BVH: a file, or a folder for several inputs");
   verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");

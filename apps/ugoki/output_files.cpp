@@ -109,7 +109,7 @@ Result<void> check_derived(const std::string& path, std::string_view mark) {
 
 std::vector<NamedFile> input_files(const std::string& target, const SourceOptions& options) {
   std::vector<NamedFile> out = {
-      {"the input", target}, {"--asf", options.asf}, {"--mapping", options.mapping}, {"--loops", options.robot.loops}};
+      {"the input", target}, {"--skeleton", options.asf}, {"--mapping", options.mapping}, {"--loops", options.robot.loops}};
   if (options.asf.empty() && intake::file_kind(target) == intake::FileKind::amc)
     out.push_back({"the skeleton of the input", intake::skeleton_name_for(target)});
   return out;

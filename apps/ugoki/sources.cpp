@@ -132,7 +132,7 @@ Result<TargetKind> kind_of(const std::string& target) {
   const std::optional<intake::FileKind> kind = intake::file_kind(target);
   if (!kind)
     return fail(ErrorCode::unsupported, target, "The kind of this file is unknown.",
-                "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .json, .urdf, .sdf, .xml, .ugoki or .ugx file.");
+                "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .mvnx, .npz, .json, .urdf, .sdf, .xml, .ugoki or .ugx file.");
   const bool mechanism = *kind == intake::FileKind::mechanism_json || *kind == intake::FileKind::robot;
   return mechanism ? TargetKind::mechanism_file : TargetKind::measured_file;
 }
@@ -167,11 +167,19 @@ Result<intake::Intake> take_in_mapped(const std::string& path, const SourceOptio
     };
     return intake::take_in(*bytes, path, nullptr, gltf_options);
   }
+  if (kind == intake::FileKind::smpl && !options.asf.empty()) {
+    Result<std::string> model = files::read_file(options.asf);
+    if (!model) return fail(std::move(model.error()));
+    intake::IntakeOptions smpl_options = options.intake;
+    smpl_options.smpl_model = std::move(*model);
+    smpl_options.smpl_model_name = options.asf;
+    return intake::take_in(*bytes, path, nullptr, smpl_options);
+  }
   if (kind != intake::FileKind::amc) return intake::take_in(*bytes, path, nullptr, options.intake);
   const std::string asf_path = options.asf.empty() ? intake::skeleton_name_for(path) : options.asf;
   std::error_code ignored;
   if (options.asf.empty() && !fs::exists(asf_path, ignored))
-    return fail(ErrorCode::io, path, "The skeleton " + asf_path + " does not exist.", "Name the skeleton with --asf FILE.");
+    return fail(ErrorCode::io, path, "The skeleton " + asf_path + " does not exist.", "Name the skeleton with --skeleton FILE.");
   Result<std::string> asf_text = files::read_file(asf_path);
   if (!asf_text) return fail(std::move(asf_text.error()));
   formats::AsfOptions asf_options;
@@ -199,7 +207,7 @@ Result<ClipSource> load_clip(const std::string& target, const SourceOptions& opt
   if (*kind == TargetKind::entry) return clip_of_entry(target, options);
   if (*kind != TargetKind::measured_file)
     return fail(ErrorCode::unsupported, target, "This is not a motion.",
-                "Name a .bvh, .amc, .c3d, .trc, .gltf or .glb file, or a motion of the library.");
+                "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .mvnx or .npz file, or a motion of the library.");
   Result<intake::Intake> loaded = take_in_file(target, options);
   if (!loaded) return fail(std::move(loaded.error()));
   return clip_of(std::move(*loaded));

@@ -22,7 +22,7 @@ enum class TargetKind { measured_file, mechanism_file, project, library, executa
 struct SourceOptions {
   std::string library;  ///< path of the library; empty: the default path
   std::string mapping;  ///< JSON file that corrects the recognised anatomy; empty: none
-  std::string asf;      ///< skeleton for AMC files; empty: NN.asf in the folder of NN_MM.amc
+  std::string asf;      ///< skeleton for AMC files (empty: NN.asf in the folder of NN_MM.amc), or body model of SMPL files
   intake::IntakeOptions intake;
   RobotChoice robot;  ///< options for URDF, SDF and MJCF files
 };

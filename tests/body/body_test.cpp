@@ -11,6 +11,7 @@
 #include "ugoki/body/segments.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/contact_labels.h"
+#include "ugoki/samples/samples.h"
 
 namespace ugoki::body {
 namespace {
@@ -202,6 +203,42 @@ TEST(Body, SingleFrameLeavesBonesMovable) {
   for (std::size_t i = 0; i < joints.size(); ++i)
     if (carries[i]) EXPECT_GT(body->mechanism->link(body->mechanism->find_link(joints[i].name)).joint.nv(), 0) << joints[i].name;
   EXPECT_LT(calc_position_error(*body, rig, to_motion(*body, rig)), 1e-9);
+}
+
+TEST(Body, SmearedCalibrationPoseIsReplaced) {
+  // A T pose before the motion, as converters write it, and the same after a low-pass filter, which mixes it into the next frames.
+  const MeasuredMotion walk = samples::make_human_walk();
+  EXPECT_EQ(count_calibration_frames(walk), 0);
+  const std::size_t n = walk.skeleton.joints.size();
+  const auto with_pose = [&](std::initializer_list<double> shares) {
+    MeasuredMotion m = walk;
+    std::size_t f = 0;
+    for (const double share : shares) {
+      for (std::size_t i = 0; i < n; ++i) {
+        Quat& q = m.rotations[f * n + i];
+        q = q * exp_map(log_map(q.conjugate() * exp_map({0.4, -0.6, 0.5})) * share);
+      }
+      ++f;
+    }
+    return m;
+  };
+  const MeasuredMotion sharp = with_pose({1}), smeared = with_pose({1, 0.55, 0.3, 0.12});
+  EXPECT_EQ(count_calibration_frames(sharp), 1);
+  EXPECT_EQ(count_calibration_frames(smeared), 4);
+  const auto body = make_body(smeared);
+  ASSERT_TRUE(body) << body.error().text();
+  EXPECT_NE(std::ranges::find_if(body->report, [](const std::string& r) { return r.find("first 4 frames") != std::string::npos; }),
+            body->report.end());
+  // The extrapolated frames are close to the walk, and the others are unchanged.
+  const auto original = make_body(walk);
+  ASSERT_TRUE(original);
+  const Motion a = to_motion(*body, smeared), b = to_motion(*original, walk);
+  std::vector<Pose> X(n), Y(n);
+  for (const int f : {0, 3, 4, 20}) {
+    calc_poses(*body->mechanism, std::span<const double>(a.frame(f), static_cast<std::size_t>(a.nq)), X);
+    calc_poses(*original->mechanism, std::span<const double>(b.frame(f), static_cast<std::size_t>(b.nq)), Y);
+    for (std::size_t i = 0; i < n; ++i) EXPECT_LT(norm(X[i].p - Y[i].p), f < 4 ? 0.05 : 0.01) << f << " " << i;
+  }
 }
 
 TEST(Body, JointThatTurnsOverIsReported) {

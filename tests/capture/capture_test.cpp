@@ -372,6 +372,23 @@ std::vector<double> flexion_errors(const MeasuredMotion& ours, const MeasuredMot
   return out;
 }
 
+TEST(Capture, RecordingWithClustersOnlyIsRefusedForThatReason) {
+  MarkerMotion m;
+  m.rate = 50;
+  m.frames = 4;
+  for (const char* segment : {"TH", "SK"})
+    for (const char* side : {"L", "R"})
+      for (const char* number : {"1", "2", "3"}) m.labels.push_back(std::string(side) + segment + number);
+  for (int f = 0; f < m.frames; ++f)
+    for (std::size_t i = 0; i < m.labels.size(); ++i) {
+      m.positions.push_back({0.05 * static_cast<double>(i % 3), 0.1 * static_cast<double>(i), 0.3 + 0.02 * static_cast<double>(i * i % 5)});
+      m.residuals.push_back(0);
+    }
+  const auto c = solve_markers(m);
+  ASSERT_FALSE(c.has_value());
+  EXPECT_NE(c.error().text().find("clusters"), std::string::npos) << c.error().text();
+}
+
 TEST(Capture, MeasuredWalkAgreesWithThePublishedSolution) {
   const std::string bytes = slurp(shared_data + "human/c3d/02_01.c3d");
   if (bytes.empty()) GTEST_SKIP() << "no " << shared_data;

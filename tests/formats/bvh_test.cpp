@@ -48,6 +48,18 @@ TEST(BvhReader, ConvertsAxesAndPlacesRootAtItsPositionChannels) {
   EXPECT_EQ(m.skeleton.joints[1].dofs[0].axis, (Vec3{1, 0, 0}));  // the file's z axis is our x axis
 }
 
+TEST(BvhReader, LineMotionMayBeMissing) {
+  const std::string with = arm("CHANNELS 1 Zrotation", "0 0 0 0 0 0 90");
+  std::string without = with;
+  without.erase(without.find("MOTION\n"), 7);
+  const MeasuredMotion m = read(without);
+  EXPECT_EQ(m.frames, 1);
+  expect_near(tip(m, 1), {0, -2, 1}, 1e-14, "turned arm");
+  // A hierarchy whose braces are not closed is still refused.
+  without.erase(without.find("}\nFrames"), 2);
+  EXPECT_FALSE(read_bvh(without, "test.bvh", {}).has_value());
+}
+
 TEST(BvhReader, SingleRotationChannelRotatesAboutItsAxis) {
   // 90 degrees about the file's z axis rotate the arm from the file's y to its -x, which is our -y.
   const MeasuredMotion m = read(arm("CHANNELS 1 Zrotation", "0 0 0 0 0 0 90"));

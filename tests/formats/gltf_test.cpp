@@ -86,6 +86,33 @@ TEST(Gltf, StepKeysHoldAndCubicKeysFollowTangents) {
   }
 }
 
+TEST(Gltf, TurningNodesOutsideAPartialSkinAreJoints) {
+  // The skin contains the head only, as in a file of a face; the animation turns pelvis and leg.
+  const std::vector<float> numbers = {0, 1, 2, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const auto file = [&](const std::string& channels) {
+    return R"({"asset": {"version": "2.0"}, "nodes": [
+      {"name": "pelvis", "children": [1, 2]}, {"name": "head", "translation": [0, 1, 0]}, {"name": "leg", "translation": [0, -1, 0]}],
+      "skins": [{"joints": [1]}], "animations": [{"channels": [)" +
+           channels + R"(], "samplers": [{"input": 0, "output": 1}]}],
+      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "SCALAR"},
+        {"bufferView": 0, "byteOffset": 12, "componentType": 5126, "count": 3, "type": "VEC4"}],
+      "bufferViews": [{"buffer": 0, "byteLength": 60}],
+      "buffers": [{"byteLength": 60, "uri": "data:application/octet-stream;base64,)" +
+           base64(numbers) + R"("}]})";
+  };
+  const auto channel = [](int node) { return R"({"sampler": 0, "target": {"path": "rotation", "node": )" + std::to_string(node) + "}}"; };
+  const auto names = [&](const std::string& channels) {
+    const auto m = read(file(channels));
+    EXPECT_TRUE(m.has_value()) << text_of(m.error());
+    std::string out;
+    for (const SkeletonJoint& j : (*m)[0].skeleton.joints) out += j.name + " ";
+    return out;
+  };
+  EXPECT_EQ(names(channel(0) + "," + channel(2)), "pelvis head leg ");
+  // A single node that turns beside the skin (a weapon, a target) is no joint.
+  EXPECT_EQ(names(channel(1) + "," + channel(2)), "head ");
+}
+
 TEST(Gltf, RotationsFollowTheShortestArc) {
   const float h = 0.70710678f;
   const auto m = read(arm("LINEAR", "rotation", {0, 0, 0, 1, 0, 0, -h, -h, 0, 0, 0, 1}), {.rate = 2});

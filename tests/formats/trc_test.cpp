@@ -39,6 +39,17 @@ TEST(Trc, MarkersAreConvertedToOurAxes) {
   EXPECT_FALSE(m->seen(1, 0));
 }
 
+TEST(Trc, ValuesBelowTheLastFrameAreLeftOut) {
+  ReadNotes notes;
+  const auto m = read_trc(good + "\n\t\t\t127.5\t\t\t\t\n\t\t\t\t\t\t\t54\n", "walk.trc", {}, &notes);
+  ASSERT_TRUE(m.has_value()) << text_of(m.error());
+  EXPECT_EQ(m->frames, 2);
+  ASSERT_FALSE(notes.remarks.empty());
+  EXPECT_NE(notes.remarks[0].find("line 10"), std::string::npos) << notes.remarks[0];
+  // Before the last frame, such a row is an error.
+  EXPECT_FALSE(read_trc(with("8\t0.14\t", "\t\t1\t2\t3\t\t\t\n8\t0.14\t"), "walk.trc").has_value());
+}
+
 TEST(Trc, SteadyTimesCorrectAWrongDataRate) {
   const auto file = [](int period) {  // every period-th time is 0.02 s late
     std::string text = good.substr(0, good.find("7\t0.12"));

@@ -30,6 +30,8 @@ void fuzz_ugx_run(const std::uint8_t* data, std::size_t size);
 extern long ugx_runs;
 void fuzz_project(const std::uint8_t* data, std::size_t size);
 void fuzz_skeleton(const std::uint8_t* data, std::size_t size);
+void fuzz_mvnx(const std::uint8_t* data, std::size_t size);
+void fuzz_smpl(const std::uint8_t* data, std::size_t size);
 void fuzz_set(const std::uint8_t* data, std::size_t size);
 
 }  // namespace ugoki

@@ -51,6 +51,8 @@ TEST(FuzzSeeds, Ugx) { run("ugx", fuzz_ugx); }
 TEST(FuzzSeeds, UgxRun) { run("ugx_run", fuzz_ugx_run); }
 TEST(FuzzSeeds, Project) { run("project", fuzz_project); }
 TEST(FuzzSeeds, Skeleton) { run("skeleton", fuzz_skeleton); }
+TEST(FuzzSeeds, Mvnx) { run("mvnx", fuzz_mvnx); }
+TEST(FuzzSeeds, Smpl) { run("smpl", fuzz_smpl); }
 TEST(FuzzSeeds, Set) { run("set", fuzz_set); }
 
 }  // namespace

@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "../body/measured_files.h"
 #include "ugoki/body/body.h"
 #include "ugoki/intake/support.h"
 #include "ugoki/samples/samples.h"
+#include "ugoki/spatial/elementary.h"
 
 namespace ugoki::intake {
 namespace {
@@ -194,6 +197,35 @@ TEST(Support, AMissingStepIsReportedAndAJumpIsNot) {
     if (t > 0 && t < flight) jump.frame(f)[2] += 0.5 * 9.81 * t * (flight - t);
   }
   EXPECT_EQ(describe_missing_support(*body->mechanism, jump, body->height), "");
+}
+
+TEST(Support, ASittingCharacterIsReportedAndAStandingOneIsNot) {
+  MeasuredMotion stand = samples::make_human_stand();
+  auto body = body::make_body(stand);
+  ASSERT_TRUE(body) << body.error().text();
+  const Motion upright = body::to_motion(*body, stand);
+  EXPECT_EQ(describe_missing_support(*body->mechanism, upright, body->height), "");
+  // The same character on a chair: thighs forward, pelvis lower and behind the feet.
+  const auto joint = [&](const std::string& name) {
+    const auto& joints = stand.skeleton.joints;
+    const auto found = std::ranges::find(joints, name, &SkeletonJoint::name);
+    EXPECT_NE(found, joints.end()) << name;
+    return static_cast<std::size_t>(found - joints.begin());
+  };
+  const std::size_t n = stand.skeleton.joints.size();
+  const Quat forward = axis_angle({0, 1, 0}, -0.5 * pi), down = axis_angle({0, 1, 0}, 0.5 * pi);
+  for (std::size_t f = 0; f < static_cast<std::size_t>(stand.frames); ++f) {
+    for (const char* side : {"Left", "Right"}) {
+      Quat& hip = stand.rotations[f * n + joint(std::string(side) + "UpLeg")];
+      Quat& knee = stand.rotations[f * n + joint(std::string(side) + "Leg")];
+      hip = forward * hip;
+      knee = down * knee;
+    }
+    stand.translations[f * n].z -= 0.42;
+  }
+  const Motion sitting = body::to_motion(*body, stand);
+  const std::string sentence = describe_missing_support(*body->mechanism, sitting, body->height);
+  EXPECT_NE(sentence.find("cannot balance the character"), std::string::npos) << sentence;
 }
 
 }  // namespace

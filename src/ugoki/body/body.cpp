@@ -6,6 +6,7 @@
 #include "ugoki/base/check.h"
 #include "ugoki/base/number.h"
 #include "ugoki/body/build.h"
+#include "ugoki/body/calibration_frames.h"
 #include "ugoki/body/creature.h"
 #include "ugoki/body/joints.h"
 #include "ugoki/body/recognise.h"
@@ -453,34 +454,18 @@ class Maker {
   Body body_;
 };
 
-/// Largest rotation [rad] of any joint from frame f to the next.
-double max_turn(const MeasuredMotion& m, int f) {
-  const std::size_t n = m.skeleton.joints.size(), here = at(f) * n, next = here + n;
-  double turn = 0;
-  for (std::size_t i = 0; i < n; ++i) turn = std::max(turn, norm(log_map(m.rotations[here + i].conjugate() * m.rotations[next + i])));
-  return turn;
-}
-
 }  // namespace
-
-bool has_calibration_frame(const MeasuredMotion& m) {
-  if (m.frames < 4) return false;
-  const double later = std::max(max_turn(m, 1), max_turn(m, 2));
-  return max_turn(m, 0) > 20 * degree && max_turn(m, 0) > 5 * later;
-}
 
 Result<Body> make_body(const MeasuredMotion& motion, const BodyOptions& options) {
   if (Error errors = check_input(motion); !errors.empty()) return fail(std::move(errors));
-  if (!has_calibration_frame(motion)) return Maker(motion, options).run();
-  MeasuredMotion rest = motion;
-  const auto joints = static_cast<std::ptrdiff_t>(motion.skeleton.joints.size());
-  --rest.frames;
-  rest.translations.erase(rest.translations.begin(), rest.translations.begin() + joints);
-  rest.rotations.erase(rest.rotations.begin(), rest.rotations.begin() + joints);
-  Result<Body> body = Maker(rest, options).run();
+  const int calibration = count_calibration_frames(motion);
+  if (calibration == 0) return Maker(motion, options).run();
+  Result<Body> body = Maker(without_first(motion, calibration), options).run();
   if (body)
-    body->report.push_back(
-        "The first frame is a calibration pose, from which the motion jumps; it is replaced by an extrapolation of the following frames.");
+    body->report.push_back(calibration == 1 ? "The first frame is a calibration pose, from which the motion jumps; it is replaced by an "
+                                              "extrapolation of the following frames."
+                                            : "The motion leaves a calibration pose in the first " + std::to_string(calibration) +
+                                                  " frames; they are replaced by an extrapolation of the following frames.");
   return body;
 }
 
@@ -492,7 +477,7 @@ double lowest_level(const Body& body, const MeasuredMotion& motion) {
   const int step = std::max(1, motion.frames / 1000);
   std::vector<std::vector<SupportPoint>> points;
   for (const int link : body.link_of_joint) points.push_back(support_points(body.mechanism->link(link)));
-  for (int f = has_calibration_frame(motion) ? 1 : 0; f < motion.frames; f += step) {
+  for (int f = count_calibration_frames(motion); f < motion.frames; f += step) {
     motion.calc_joint_poses(f, X);
     double low = 1e300;
     for (std::size_t i = 0; i < X.size(); ++i)
@@ -508,7 +493,8 @@ double lowest_level(const Body& body, const MeasuredMotion& motion) {
 Pose floor_pose_at_rest(const Body& body, const MeasuredMotion& motion) {
   if (!body.level_floor) return {};
   if (!body.human) return {Mat3::identity(), {0, 0, -lowest_level(body, motion)}};
-  const FloorFit fit = fit_floor(motion, body.soles, body.height);
+  const int calibration = count_calibration_frames(motion);
+  const FloorFit fit = fit_floor(calibration > 0 ? without_first(motion, calibration) : motion, body.soles, body.height);
   if (!fit.found) return {};
   double floor = 0;
   int standing = 0;
@@ -560,11 +546,11 @@ Motion convert(const Body& body, const MeasuredMotion& m) {
       made[i] = base * (link.joint.X_PJ * joint_pose(link.joint, own));
     }
   }
-  if (has_calibration_frame(m)) {
+  if (const int first = count_calibration_frames(m); first > 0) {
     std::vector<double> back(at(mech.nv()));
     const auto frame = [&](int f) { return std::span<double>(out.frame(f), at(out.nq)); };
-    difference(mech, frame(2), frame(1), back);
-    integrate(mech, frame(1), back, 1.0, frame(0));
+    difference(mech, frame(first + 1), frame(first), back);
+    for (int f = first - 1; f >= 0; --f) integrate(mech, frame(f + 1), back, 1.0, frame(f));
   }
   label_contacts(mech, out);
   return out;
@@ -574,7 +560,7 @@ double position_error(const Body& body, const MeasuredMotion& measured, const Mo
   const Pose X_WM = floor_pose_at_rest(body, measured);
   std::vector<Pose> wanted, made(at(body.mechanism->link_count()));
   double worst = 0;
-  for (int f = has_calibration_frame(measured) ? 1 : 0; f < measured.frames; ++f) {
+  for (int f = count_calibration_frames(measured); f < measured.frames; ++f) {
     measured.calc_joint_poses(f, wanted);
     calc_poses(*body.mechanism, std::span(motion.frame(f), at(motion.nq)), made);
     for (std::size_t i = 0; i < wanted.size(); ++i) worst = std::max(worst, norm(X_WM * wanted[i].p - made[at(body.link_of_joint[i])].p));

@@ -57,13 +57,16 @@ struct Body {
 /// "thumb". Errors: the skeleton has no joints or no extent; a value is not finite; parents do not precede children.
 [[nodiscard]] Result<Body> make_body(const MeasuredMotion& motion, const BodyOptions& options = {});
 
-/// True if the first frame is a calibration pose (many converters put a T pose before the motion): from the first to the second frame
-/// some joint turns by more than 20 degrees, and by more than five times the largest turn in the next two frame steps.
-[[nodiscard]] bool has_calibration_frame(const MeasuredMotion& motion);
+/// Number of frames at the beginning that belong to a calibration pose (many converters put a T pose before the motion); 0: none.
+/// It is 1 if from the first to the second frame some joint turns by more than 20 degrees, and by more than five times the largest turn in
+/// the next two frame steps. Filters smear the calibration pose over the following frames. Up to eight frames are therefore counted if the
+/// first step turns some joint by more than 20 degrees and six of ten moving joints by more than four times their usual turn (and 3
+/// degrees).
+[[nodiscard]] int count_calibration_frames(const MeasuredMotion& motion);
 
 /// Converts a measured motion to coordinates of the body's mechanism, moved by calc_floor_pose so that the floor is z = 0.
-/// A calibration pose in the first frame is replaced by an extrapolation of the following frames. For the motion from which the body
-/// was made, every joint's position agrees with the measured one to 1e-6 m; for other motions see calc_position_error.
+/// Frames of a calibration pose (count_calibration_frames) are replaced by an extrapolation of the following frames. For the motion from
+/// which the body was made, every joint's position agrees with the measured one to 1e-6 m; for other motions see calc_position_error.
 /// `motion` must have the skeleton of the body. Ground contacts are labelled.
 [[nodiscard]] Motion to_motion(const Body& body, const MeasuredMotion& motion);
 

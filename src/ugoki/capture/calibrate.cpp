@@ -194,6 +194,18 @@ double marker_rms(const Subject& subject, const std::vector<MeasuredFrame>& fram
 
 }  // namespace
 
+std::vector<std::pair<std::size_t, std::size_t>> pairs_for_size(const MarkerSet& set, const std::vector<int>& match) {
+  // Markers of clusters may be anywhere on their segment, so that distances between them contain no information about the size.
+  const auto on_landmark = [&](int m) { return m >= 0 && set.markers[static_cast<std::size_t>(m)].sigma < 0.06; };
+  std::vector<std::pair<std::size_t, std::size_t>> out;
+  for (std::size_t a = 0; a < match.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      if (on_landmark(match[a]) && on_landmark(match[b]) &&
+          neighbours(set, set.markers[static_cast<std::size_t>(match[a])].segment, set.markers[static_cast<std::size_t>(match[b])].segment))
+        out.emplace_back(a, b);
+  return out;
+}
+
 double estimate_size(const MarkerSet& set, const std::vector<int>& match, const MarkerMotion& motion) {
   // Marker positions of the model at rest.
   std::vector<int> identity(set.markers.size());
@@ -203,24 +215,18 @@ double estimate_size(const MarkerSet& set, const std::vector<int>& match, const 
   calc_kinematics(model, model.rest(), k);
   std::vector<double> ratios;
   const int stride = std::max(1, motion.frames / 50);
-  for (std::size_t a = 0; a < match.size(); ++a) {
-    for (std::size_t b = 0; b < a; ++b) {
-      if (match[a] < 0 || match[b] < 0) continue;
-      const auto ma = static_cast<std::size_t>(match[a]), mb = static_cast<std::size_t>(match[b]);
-      if (!neighbours(set, set.markers[ma].segment, set.markers[mb].segment)) continue;
-      // Markers of clusters may be anywhere on their segment, so that distances between them contain no information about the size.
-      if (set.markers[ma].sigma >= 0.06 || set.markers[mb].sigma >= 0.06) continue;
-      const double own = norm(marker_position(model, k, ma) - marker_position(model, k, mb));
-      double sum = 0;
-      int count = 0;
-      for (int f = 0; f < motion.frames; f += stride) {
-        if (!motion.seen(f, static_cast<int>(a)) || !motion.seen(f, static_cast<int>(b))) continue;
-        sum += norm(motion.at(f, static_cast<int>(a)) - motion.at(f, static_cast<int>(b)));
-        ++count;
-      }
-      // Distances below 2 cm are not used, because noise dominates their ratios.
-      if (count > 0 && own > 0.02) ratios.push_back(sum / count / own);
+  for (const auto& [a, b] : pairs_for_size(set, match)) {
+    const auto ma = static_cast<std::size_t>(match[a]), mb = static_cast<std::size_t>(match[b]);
+    const double own = norm(marker_position(model, k, ma) - marker_position(model, k, mb));
+    double sum = 0;
+    int count = 0;
+    for (int f = 0; f < motion.frames; f += stride) {
+      if (!motion.seen(f, static_cast<int>(a)) || !motion.seen(f, static_cast<int>(b))) continue;
+      sum += norm(motion.at(f, static_cast<int>(a)) - motion.at(f, static_cast<int>(b)));
+      ++count;
     }
+    // Distances below 2 cm are not used, because noise dominates their ratios.
+    if (count > 0 && own > 0.02) ratios.push_back(sum / count / own);
   }
   if (ratios.empty()) return 0;
   const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);

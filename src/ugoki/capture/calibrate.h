@@ -1,14 +1,21 @@
 #pragma once
 // Calibration: finds segment lengths of a subject and positions of the markers on its segments from a recording. Internal to capture.
 
+#include <cstddef>
 #include <functional>
+#include <utility>
+#include <vector>
 
 #include "ugoki/capture/pose_solver.h"
 
 namespace ugoki::capture {
 
-/// Size of the subject relative to the model: the median, over all pairs of markers on the same or adjacent segments, of the ratio of
-/// measured distance to model distance. 0 if no such pair was ever seen together.
+/// Pairs of columns whose distance contains information about the subject's size: both markers are on landmarks (not in clusters) of the
+/// same segment or of adjacent segments. @param match [columns] index of the marker in the set, or -1
+[[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> pairs_for_size(const MarkerSet& set, const std::vector<int>& match);
+
+/// Size of the subject relative to the model: the median, over pairs_for_size(), of the ratio of measured distance to model distance. 0 if
+/// no such pair was ever seen together.
 [[nodiscard]] double estimate_size(const MarkerSet& set, const std::vector<int>& match, const MarkerMotion& motion);
 
 /// Returns the indices of at most `count` frames spread over the recording. The recording is divided into `count` parts of equal length. In

@@ -121,6 +121,7 @@ class Solver {
       out_.measured.translations[at + i] = subject_.segment(i).parent < 0 ? pose.p : subject_.offsets[i];
       out_.measured.rotations[at + i] = joint_rotation(subject_, pose, i);
     }
+    if (frame % std::max(1, clean_.frames / 200) == 0) compare_pairs(frame, solver);
     double sum = 0;
     int count = 0;
     for (std::size_t m = 0; m < subject_.columns.size(); ++m) {
@@ -137,7 +138,50 @@ class Solver {
     out_.frame_rms[static_cast<std::size_t>(frame)] = count > 0 ? std::sqrt(sum / count) : 0;
   }
 
+  /// Counts the pairs of markers that are far from their own positions on the body, but close to each other's.
+  void compare_pairs(int frame, const PoseSolver& solver) {
+    const std::size_t n = subject_.columns.size();
+    pairs_.resize(n * n);
+    // Places of the markers on the body: as fitted, and as the marker set gives them. The fit adapts to labels that are always exchanged.
+    std::vector<Vec3> fitted(n), usual(n);
+    for (std::size_t m = 0; m < n; ++m) {
+      const auto s = static_cast<std::size_t>(subject_.marker(m).segment);
+      fitted[m] = marker_position(subject_, solver.kinematics(), m);
+      usual[m] = solver.kinematics().p[s] + solver.kinematics().R[s] * (subject_.marker(m).at * subject_.size);
+    }
+    const auto exchanged = [&](std::size_t a, std::size_t b, const std::vector<Vec3>& place, double limit) {
+      const Vec3 &A = recorded_.at(frame, subject_.columns[a]), &B = recorded_.at(frame, subject_.columns[b]);
+      const double own = std::min(norm(A - place[a]), norm(B - place[b])), other = std::max(norm(A - place[b]), norm(B - place[a]));
+      return own > limit * subject_.size && other < 0.5 * own;
+    };
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = 0; b < a; ++b) {
+        if (!recorded_.seen(frame, subject_.columns[a]) || !recorded_.seen(frame, subject_.columns[b])) continue;
+        PairCount& pair = pairs_[a * n + b];
+        ++pair.seen;
+        // Markers of clusters (sigma of 5 cm and more) may be anywhere on their segment.
+        const bool landmarks = std::max(subject_.marker(a).sigma, subject_.marker(b).sigma) < 0.05;
+        if (!exchanged(a, b, fitted, min_exchange) && !(landmarks && exchanged(a, b, usual, 1.5 * min_exchange))) continue;
+        if (pair.exchanged++ == 0) pair.first = frame;
+      }
+  }
+
+  /// Reports the pairs of markers whose labels are exchanged in at least a twentieth of the compared frames.
+  void report_exchanged() {
+    const std::size_t n = subject_.columns.size();
+    for (std::size_t a = 0; a < n && !pairs_.empty(); ++a)
+      for (std::size_t b = 0; b < a; ++b) {
+        const PairCount& pair = pairs_[a * n + b];
+        if (pair.exchanged < 2 || 20 * pair.exchanged < pair.seen) continue;
+        out_.report.push_back("The labels " + out_.residuals[b].label + " and " + out_.residuals[a].label + " are probably exchanged in " +
+                              std::to_string(100 * pair.exchanged / pair.seen) + " % of the frames (first in frame " +
+                              std::to_string(recorded_.first_frame + pair.first) +
+                              "): each marker is closer to the other's place on the body than to its own. Exchange the labels there.");
+      }
+  }
+
   void finish() {
+    report_exchanged();
     double squares = 0;
     long seen = 0;
     for (std::size_t m = 0; m < squares_.size(); ++m) {
@@ -151,10 +195,18 @@ class Solver {
     out_.measured.skeleton = skeleton_of(subject_, recorded_.name, recorded_.unit);
   }
 
+  // m, for a person of 1.75 m: markers farther than this from their places on the body are not explained by skin motion or placement.
+  static constexpr double min_exchange = 0.04;
+  /// How often a pair of markers was seen together, and how often each was closer to the other's place.
+  struct PairCount {
+    int seen = 0, exchanged = 0, first = 0;
+  };
+
   const MarkerMotion& recorded_;
   const MarkerMotion& clean_;
   Subject subject_;
   Capture& out_;
+  std::vector<PairCount> pairs_;  // [markers][markers], the first index is larger
   std::vector<double> squares_;
   std::vector<long> seen_;
 };
@@ -232,8 +284,15 @@ Result<Fit> fit_subject(const MarkerMotion& motion, const MarkerMotion& markers,
   for (std::size_t i = 0; i < choice.match.size(); ++i)
     if (choice.match[i] < 0) out.unused.push_back(motion.labels[i]);
   const double size = estimate_size(*choice.set, choice.match, markers);
+  if (!(size > 1e-3 && size < 1e3) && pairs_for_size(*choice.set, choice.match).empty())
+    return fail(ErrorCode::unsupported, motion.source,
+                "All known markers belong to clusters on limbs; no two of them are on bony landmarks of one segment or of adjacent "
+                "segments, so the subject's size cannot be estimated.",
+                "Import the static trial with markers on landmarks (LASI, LKNE, LANK ...), or give these labels to the markers that are "
+                "on landmarks.");
   if (!(size > 1e-3 && size < 1e3))
-    return fail(ErrorCode::structure, motion.source, "The markers are never seen together, so the subject's size cannot be estimated.",
+    return fail(ErrorCode::structure, motion.source,
+                "No two markers on landmarks of adjacent segments are seen in one frame, so the subject's size cannot be estimated.",
                 "Check that the recording contains one subject and that its markers are labelled.");
   out.subject = make_subject(*choice.set, choice.match, size);
   const std::vector<int> chosen = choose_frames(markers, out.subject, options.calibration_frames);

@@ -45,6 +45,8 @@ class HierarchyReader {
       return stop(ErrorCode::truncated, scanner_.line(), "The file ends " + inside + ".", "The file was cut off; export or copy it again.");
     }
     if (scanner_.accept_on_line('}')) return close();
+    // Some files have no line MOTION: the complete hierarchy is followed by 'Frames:'.
+    if (open_.empty() && !out_.skeleton.joints.empty() && scanner_.peek().starts_with("Frames")) return finish();
     const std::string_view word = scanner_.word();
     if (equal_ignoring_case(word, "ROOT")) return open_joint(true);
     if (equal_ignoring_case(word, "JOINT")) return open_joint(false);

@@ -120,10 +120,20 @@ class Reader {
     for (const GltfSkin& skin : doc_.skins)
       for (const int j : skin.joints) joint[static_cast<std::size_t>(j)] = 1;
     if (doc_.skins.empty()) joint.assign(joint.size(), 1);
-    // An ancestor of a joint becomes a joint if it is animated, or if it is a descendant of a joint or of an animated node.
-    std::vector<char> moved(doc_.nodes.size());
+    std::vector<char> moved(doc_.nodes.size()), turned(doc_.nodes.size());
     for (const GltfAnimation& a : doc_.animations)
-      for (const GltfChannel& c : a.channels) moved[static_cast<std::size_t>(c.node)] = 1;
+      for (const GltfChannel& c : a.channels) {
+        moved[static_cast<std::size_t>(c.node)] = 1;
+        if (c.path == GltfPath::rotation && doc_.nodes[static_cast<std::size_t>(c.node)].skin < 0)
+          turned[static_cast<std::size_t>(c.node)] = 1;
+      }
+    // If the animations turn more nodes outside the skins than in them, the file contains the mesh of a part only (often the head), and
+    // all turning nodes belong to the skeleton.
+    std::ptrdiff_t inside = 0, outside = 0;
+    for (std::size_t i = 0; i < joint.size(); ++i) (joint[i] == 1 ? inside : outside) += turned[i];
+    for (std::size_t i = 0; i < joint.size() && outside > inside; ++i)
+      if (turned[i] != 0) joint[i] = 1;
+    // An ancestor of a joint becomes a joint if it is animated, or if it is a descendant of a joint or of an animated node.
     for (std::size_t i = 0; i < joint.size(); ++i) {
       if (joint[i] != 1) continue;
       bool needed = false;

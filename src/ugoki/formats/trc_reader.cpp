@@ -2,6 +2,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "ugoki/base/number.h"
 #include "ugoki/formats/file_axes.h"
@@ -213,6 +214,14 @@ class Reader {
       bool ended = false;
       const auto frame = next_column(line, separator_, ended);
       const auto time = next_column(line, separator_, ended);
+      const bool numbered = frame && time && (!frame->empty() || !time->empty());
+      if (!numbered && declared_frames_ > 0 && times_.size() == static_cast<std::size_t>(declared_frames_)) {
+        // Spreadsheets leave results of the user's own formulas below the last frame.
+        if (std::exchange(trailing_, true)) continue;
+        notes_.remarks.push_back("Values below the last frame, which have no frame number (first in line " +
+                                 std::to_string(lines_.number()) + "), are left out.");
+        continue;
+      }
       if (!frame || !time || !measured_number(*frame) || !measured_number(*time)) {
         const std::string_view wrong = frame && !measured_number(*frame) ? *frame : time.value_or("");
         refuse(ErrorCode::syntax, "The row begins with " + in_quotes(wrong) + " instead of the frame number and time.", "Correct the row.");
@@ -297,6 +306,7 @@ class Reader {
   ReadNotes& notes_;
   char separator_ = '\t';
   long declared_frames_ = -1, declared_markers_ = -1;  ///< from the header; -1: not given
+  bool trailing_ = false;                              ///< values below the last frame were found
   std::size_t last_columns_ = 0, max_columns_ = 0;     ///< number of value columns in the last row, and maximum over all rows
   std::vector<double> times_;                          ///< [frames] s
 };

@@ -18,7 +18,9 @@
 #include "ugoki/intake/choice.h"
 #include "ugoki/intake/support.h"
 #include "ugoki/robot_formats/robot_file.h"
+#include "ugoki/scene_formats/mvnx.h"
 #include "ugoki/scene_formats/scene_file.h"
+#include "ugoki/scene_formats/smpl.h"
 
 namespace ugoki::intake {
 namespace {
@@ -354,6 +356,8 @@ std::optional<FileKind> file_kind(std::string_view file_name) {
   if (ending == "csv") return FileKind::csv;
   if (ending == "gltf" || ending == "glb") return FileKind::gltf;
   if (ending == "fbx" || ending == "dae") return FileKind::scene;
+  if (ending == "mvnx") return FileKind::mvnx;
+  if (ending == "npz") return FileKind::smpl;
   if (ending == "json") return FileKind::mechanism_json;
   if (ending == "urdf" || ending == "sdf" || ending == "xml" || ending == "xacro") return FileKind::robot;
   return std::nullopt;
@@ -371,9 +375,9 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
   if (options.axes && !options.axes->valid())
     return fail(ErrorCode::range, location, "Up and forward cannot be the same axis.", "Choose another forward axis.");
   if (!kind)
-    return fail(
-        ErrorCode::unsupported, location, "Files with this extension cannot be imported.",
-        "Use a .bvh, .amc (with its .asf), .c3d, .trc, .csv, .gltf, .glb, .fbx, .dae, mechanism .json, .urdf, .sdf or MJCF .xml file.");
+    return fail(ErrorCode::unsupported, location, "Files with this extension cannot be imported.",
+                "Use a .bvh, .amc (with its .asf), .c3d, .trc, .csv, .gltf, .glb, .fbx, .dae, .mvnx, .npz, mechanism .json, .urdf, .sdf or "
+                "MJCF .xml file.");
   if (auto error = stopped(options, file_name)) return fail(std::move(*error));
   formats::ReadNotes notes;
   switch (*kind) {
@@ -417,6 +421,17 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
           formats::read_gltf(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit, .files = options.files}, &notes);
       if (!motions) return fail(std::move(motions.error()));
       return from_measured(std::move(*motions), std::move(notes), file_name, options);
+    }
+    case FileKind::mvnx:
+    case FileKind::smpl: {
+      const scene_formats::SmplModelFile model{std::as_bytes(std::span(options.smpl_model)), options.smpl_model_name};
+      Result<MeasuredMotion> measured =
+          *kind == FileKind::mvnx
+              ? scene_formats::read_mvnx(bytes, file_name, &notes)
+              : scene_formats::read_smpl(std::as_bytes(std::span(bytes.data(), bytes.size())), file_name, model, &notes);
+      if (!measured) return fail(std::move(measured.error()));
+      if (options.unit > 0) scale(*measured, options.unit);
+      return from_measured(std::move(*measured), std::move(notes), file_name, options);
     }
     case FileKind::asf:
       return fail(ErrorCode::structure, location, "An ASF file contains a skeleton without motion.",

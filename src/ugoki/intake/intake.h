@@ -35,10 +35,11 @@ struct IntakeOptions {
   std::optional<body::AnatomyMapping> mapping;  ///< corrects the recognised anatomy
   std::string character;                        ///< of a file with several: its number from 1, or its root joint; empty: the first
   std::string take;                             ///< of a file with several motions: its number from 1, or its name; empty: all
-  bool travel = false;                ///< give characters that walk in place (on a treadmill) the travel that their standing feet show
-  formats::GltfFiles files;           ///< reads external buffers of a .gltf file; null: such files are rejected
-  robot_formats::RobotOptions robot;  ///< options for URDF, SDF, MJCF
-  std::function<bool()> cancelled;    ///< called before each step and each motion; true ends the import with ErrorCode::cancelled
+  bool travel = false;  ///< give characters that walk in place (on a treadmill) the travel that their standing feet show
+  std::string smpl_model, smpl_model_name;  ///< bytes and name of the .npz of the body model of an SMPL motion; empty: none
+  formats::GltfFiles files;                 ///< reads external buffers of a .gltf file; null: such files are rejected
+  robot_formats::RobotOptions robot;        ///< options for URDF, SDF, MJCF
+  std::function<bool()> cancelled;          ///< called before each step and each motion; true ends the import with ErrorCode::cancelled
 };
 
 /// An imported file that is not stored yet.
@@ -63,7 +64,7 @@ struct Intake {
 };
 
 /// Kinds of files that can be imported.
-enum class FileKind { bvh, amc, asf, c3d, trc, csv, gltf, scene, mechanism_json, robot };
+enum class FileKind { bvh, amc, asf, c3d, trc, csv, gltf, scene, mvnx, smpl, mechanism_json, robot };
 /// Kind from the file name's extension, ignoring case; std::nullopt for other extensions.
 [[nodiscard]] std::optional<FileKind> file_kind(std::string_view file_name);
 

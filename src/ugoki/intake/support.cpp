@@ -7,8 +7,64 @@
 #include "ugoki/base/number.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/contact_labels.h"
+#include "ugoki/spatial/elementary.h"
 
 namespace ugoki::intake {
+namespace {
+
+/// Horizontal distance [m] by which `p` is outside the convex hull of the points; negative inside. 16 directions approximate the hull.
+double distance_outside(const Vec3& p, const std::vector<Vec3>& points) {
+  constexpr int directions = 16;
+  double out = -1e300;
+  for (int k = 0; k < directions; ++k) {
+    const SinCos d = sin_cos(2 * pi * k / directions);
+    double reach = -1e300;
+    for (const Vec3& q : points) reach = std::max(reach, d.cos * q.x + d.sin * q.y);
+    out = std::max(out, d.cos * p.x + d.sin * p.y - reach);
+  }
+  return out;
+}
+
+/// Sentence about the time in which the character hardly accelerates although the points near the floor cannot balance it: the zero-moment
+/// point of its centre of mass is far outside them (Vukobratovic and Borovac 2004). Empty if there is no such time.
+/// @param centre [frames] m, centre of mass @param dt s between frames
+std::string describe_unbalanced_rest(const std::string& name, const std::vector<Vec3>& centre,
+                                     const std::vector<std::vector<Vec3>>& near_floor, double dt, double height) {
+  // 8 % of the height is 14 cm for a person: more than errors of mass distribution and soles. Runners lean for less than 0.4 s.
+  constexpr double margin = 0.08, shortest = 0.6, window = 0.1;
+  const int n = static_cast<int>(centre.size()), half = std::max(1, static_cast<int>(std::lround(window / dt)));
+  int unbalanced = 0, run = 0;
+  double first = -1, farthest = 0, farthest_in_run = 0;
+  for (int k = half; k <= n - half; ++k) {
+    const auto at = [&](int i) { return centre[static_cast<std::size_t>(i)]; };
+    double outside = -1;
+    if (k < n - half && !near_floor[static_cast<std::size_t>(k)].empty()) {
+      const Vec3 a = (at(k + half) - at(k) * 2.0 + at(k - half)) / (half * dt * half * dt);
+      const double lever = at(k).z / std::max(1.0, 9.81 + a.z);  // s^2, of the horizontal acceleration
+      // 3 m/s^2: beyond that the character runs or jumps, or its data jump.
+      if (norm(a) < 3) outside = distance_outside(at(k) - a * lever, near_floor[static_cast<std::size_t>(k)]);
+    }
+    if (outside > margin * height) {
+      ++run;
+      farthest_in_run = std::max(farthest_in_run, outside);
+      continue;
+    }
+    if (run * dt >= shortest) {
+      unbalanced += run;
+      farthest = std::max(farthest, farthest_in_run);
+      if (first < 0) first = (k - run) * dt;
+    }
+    run = 0;
+    farthest_in_run = 0;
+  }
+  if (unbalanced == 0) return {};
+  return name + ": in " + to_fixed(100.0 * unbalanced / n, 0) + " % of the frames (first at " + to_fixed(first, 2) +
+         " s) the points near the floor cannot balance the character, which is up to " + to_fixed(100 * farthest, 0) +
+         " cm beside them. It sits on, leans on or holds something that the file does not contain (a chair, a wall, a bar). Under dynamics "
+         "it falls there.";
+}
+
+}  // namespace
 
 std::string describe_missing_support(const Mechanism& mechanism, const Motion& motion, double height) {
   // Measured feet are up to 4 % of the height away from the floor in stance (soft soles, noise). A body that accelerates downwards with
@@ -20,6 +76,8 @@ std::string describe_missing_support(const Mechanism& mechanism, const Motion& m
   const int step = std::max(1, static_cast<int>(std::lround(motion.rate / 30)));
   std::vector<Pose> X(static_cast<std::size_t>(count));
   std::vector<double> low, root;
+  std::vector<Vec3> centre;
+  std::vector<std::vector<Vec3>> near_floor;  // [frames] points at most `gap` above the floor
   for (int f = 0; f < motion.frames; f += step) {
     calc_poses(mechanism, {motion.frame(f), static_cast<std::size_t>(motion.nq)}, X);
     double lowest = 1e300;
@@ -27,6 +85,11 @@ std::string describe_missing_support(const Mechanism& mechanism, const Motion& m
       for (const SupportPoint& s : points[i]) lowest = std::min(lowest, (X[i] * s.p).z - s.radius);
     low.push_back(lowest);
     root.push_back(X[0].p.z);
+    centre.push_back(centre_of_mass(mechanism, X));
+    std::vector<Vec3>& standing = near_floor.emplace_back();
+    for (std::size_t i = 0; i < X.size(); ++i)
+      for (const SupportPoint& s : points[i])
+        if (const Vec3 p = X[i] * s.p; p.z - s.radius < gap * height) standing.push_back(p);
   }
   const double dt = step / motion.rate;
   const int half = std::max(1, static_cast<int>(std::lround(window / dt)));
@@ -52,7 +115,7 @@ std::string describe_missing_support(const Mechanism& mechanism, const Motion& m
     }
     run = 0;
   }
-  if (missing == 0) return {};
+  if (missing == 0) return describe_unbalanced_rest(motion.name, centre, near_floor, dt, height);
   return motion.name + ": in " + to_fixed(100.0 * missing / n, 0) + " % of the frames (first at " + to_fixed(first, 2) +
          " s) nothing of the character is near the floor although it does not fall. It stands on, sits on or hangs from something that the "
          "file does not contain (stairs, a box, a chair, a bar), or its height drifts. Under dynamics it loses its support there.";

@@ -1,5 +1,6 @@
 #pragma once
-// Reads XML elements and attributes, and reports problems with line numbers. Internal to robot_formats.
+// Reads XML elements and attributes, and reports problems with line numbers. Used by robot_formats and by the
+// reader of MVNX in scene_formats.
 //
 // Safe for hostile input: no user-defined entities, no external files, at most `max_text` bytes, `max_levels` levels and `max_attributes`
 // attributes in an element. Duplicate attributes are refused. Numbers must be finite. All problems are collected in one bounded list. For
