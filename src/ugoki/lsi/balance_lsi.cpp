@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "ugoki/control/balance_control.h"
+#include "ugoki/control/fall_control.h"
 #include "ugoki/control/motion_control.h"
 #include "ugoki/lsi/declare.h"
 #include "ugoki/lsi/track_sampler.h"
@@ -56,11 +57,13 @@ struct Balance {
   std::shared_ptr<const TrackReference> track;
   std::optional<control::BalanceControl> balance;  // characters with a floating root and feet
   std::optional<control::MotionControl> tracking;  // other characters, for example a robot on a fixed base
+  std::optional<control::FallControl> fall;        // as balance
   std::vector<int> foot_of;                        // [feet of the character] index in balance->feet()
   std::vector<collision::ContactPoint> contacts;
 };
 struct BalanceMemory {
   control::BalanceState now, next;
+  control::FallState fall_now, fall_next;
   control::ControlState tracking_now, tracking_next;
 };
 
@@ -83,6 +86,8 @@ std::int32_t step(const Call* call) {
   std::fill_n(drive, 3 * nv, 0.0);
   std::fill_n(report, std::size_t{report_count}, 0.0);
   std::fill_n(balance, 4, 0.0);
+  double* recovery = circuit::output(call, 4);
+  std::fill_n(recovery, 2, 0.0);
   const std::span<const double> q = q_of(*self.character, state), v = v_of(*self.character, state);
   if (self.tracking) {
     std::ranges::copy(self.track->payload(call->tick->time), reference);
@@ -102,8 +107,25 @@ std::int32_t step(const Call* call) {
     return 0;
   }
   memory.next = memory.now;
-  const control::BalanceOutput out =
-      self.balance->step({q, v, self.contacts, self.character->index, call->tick->dt}, memory.next, {drive, nv});
+  memory.fall_next = memory.fall_now;
+  const double dt = call->tick->dt;
+  const std::span<double> tau(drive, nv), gain(drive + nv, nv), velocity(drive + 2 * nv, nv);
+  if (memory.fall_now.mode > static_cast<std::uint64_t>(control::FallMode::brace)) {  // the track waits where the character fell
+    self.fall->step(q, v, dt, memory.fall_next, tau, gain, velocity);
+    std::ranges::copy(self.track->payload(memory.now.time), reference);
+    displace_root(*self.character->mechanism, {memory.now.x, memory.now.y, 0, memory.now.heading}, {reference, self.layout.nq});
+    for (std::size_t k = 0; k < self.layout.feet; ++k) reference[self.layout.stance() + k] = 0;
+    report[report_released] = 1;
+    balance[2] = memory.now.time;
+    recovery[0] = static_cast<double>(memory.fall_next.mode);
+    return 0;
+  }
+  const control::BalanceOutput out = self.balance->step({q, v, self.contacts, self.character->index, dt}, memory.next, tau);
+  if (self.fall) {
+    recovery[1] = self.fall->check(q, v, self.balance->reference(), out.dcm_error, dt, memory.fall_next);
+    self.fall->brace(q, v, dt, memory.fall_next, tau, gain, velocity);
+    recovery[0] = static_cast<double>(memory.fall_next.mode);
+  }
   std::ranges::copy(self.track->payload(memory.next.time), reference);
   std::ranges::copy(self.balance->reference(), reference);  // overwrites q by the controller's reference, which is displaced in the plane
   for (std::size_t k = 0; k < self.layout.feet; ++k)
@@ -123,6 +145,7 @@ void* make(Setup& s) {
                            std::make_shared<const TrackReference>(*character),
                            std::nullopt,
                            std::nullopt,
+                           std::nullopt,
                            {},
                            {}};
   if (can_balance(*character)) {
@@ -134,6 +157,12 @@ void* make(Setup& s) {
     options.momentum_weight = s.number("momentum weight");
     options.shift_growth = s.number("step growth");
     self->balance.emplace(character->mechanism, self->track, options, world->ground().height);
+    if (static_cast<std::size_t>(character->mechanism->nq()) <= control::FallState::max_coordinates) {
+      control::FallOptions protection;
+      protection.gravity = world->gravity();
+      protection.ground = world->ground().height;
+      self->fall.emplace(character->mechanism, protection);
+    }
     for (const int link : character->feet) {
       int found = 0;
       for (std::size_t f = 0; f < self->balance->feet().size(); ++f)
@@ -159,7 +188,8 @@ void add_balance(circuit::Library& library) {
   c.name = "balance control";
   c.doc =
       "Computes joint torques that make a character follow its track on its own feet, without any external force on the root. It plans "
-      "steps: the time and the place where a foot lands follow from the balance of the character. A character without a floating root or "
+      "steps: the time and the place where a foot lands follow from the balance of the character. A character that can no longer keep its "
+      "balance falls with its hands first and stays on the ground. A character without a floating root or "
       "without feet follows its track with the torques of its joints alone.";
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
               input_pin("contacts", PinTypeId::contacts, "", "Contact points; those of the feet with the ground support the character.")};
@@ -170,7 +200,11 @@ void add_balance(circuit::Library& library) {
       output_pin("reference", PinTypeId::motion, "",
                  "The reference that the character follows: the track at the controller's own time, displaced to the standing foot."),
       output_pin("balance", PinTypeId::joint_values, "",
-                 "Four numbers: error of the divergent component of motion, x and y in m; time of the reference, s; rate of that time.")};
+                 "Four numbers: error of the divergent component of motion, x and y in m; time of the reference, s; rate of that time."),
+      output_pin(
+          "recovery", PinTypeId::joint_values, "",
+          "Two numbers: mode (0 follows its track, 1 braces for a fall, 2 falls, 3 lies on the ground), and the distance from the limits "
+          "of a fall (1: at the reference, 0: the character begins to fall).")};
   c.parameters = {character_parameter(),
                   number_parameter("balance gain", usual.com_gain, 0, 20, "1/s", "Rate at which the error of balance decays."),
                   number_parameter("joint frequency", usual.joint_frequency, 0, 100, "rad/s", "Rate at which the error of a joint decays."),
@@ -191,6 +225,7 @@ void add_balance(circuit::Library& library) {
     s.set_out(1, report_count, character->index);
     s.set_out(2, static_cast<std::uint32_t>(reference_layout(*character->mechanism, character->feet.size()).size()), character->index);
     s.set_out(3, 4, character->index);
+    s.set_out(4, 2, character->index);
     s.set_state(sizeof(BalanceMemory));
   };
   c.make = make;
@@ -203,6 +238,7 @@ void add_balance(circuit::Library& library) {
   c.advance = [](const Call* call) -> std::int32_t {
     auto& memory = *static_cast<BalanceMemory*>(call->state);
     memory.now = memory.next;
+    memory.fall_now = memory.fall_next;
     memory.tracking_now = memory.tracking_next;
     return 0;
   };
