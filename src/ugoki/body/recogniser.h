@@ -147,9 +147,11 @@ class Recogniser {
       while (end < branches_.size() && branches_[end].from == branches_[begin].from) ++end;
       std::vector<std::size_t> of_joint(end - begin);
       std::iota(of_joint.begin(), of_joint.end(), begin);
-      const auto longer = [&](std::size_t a, std::size_t b) { return branches_[a].length > branches_[b].length; };
+      const auto longer = [&](std::size_t a, std::size_t b) {
+        return branches_[a].length != branches_[b].length ? branches_[a].length > branches_[b].length : a < b;
+      };
       if (of_joint.size() > max_branches) {
-        std::ranges::stable_sort(of_joint, longer);
+        std::ranges::sort(of_joint, longer);
         of_joint.resize(max_branches);
         std::ranges::sort(of_joint);
       }
