@@ -257,8 +257,8 @@ TEST(Scene, SmoothShapesHaveNoFrictionWithEachOther) {
   auto found = contacts(scene, posed, 0.01);
   ASSERT_EQ(found.size(), 2U);  // with the ground and with the rough ball
   for (const ContactPoint& c : found) EXPECT_DOUBLE_EQ(c.friction, 0.5);
-  posed.move(2, at(0, 0, 9));
-  posed.move(1, at(0, 0, 0.3));
+  posed.move(2, at(0, 0, 8.7));
+  posed.move(1, at(-0.2, 0, -4.7));  // to (0, 0, 0.3)
   found = contacts(scene, posed, 0.01);
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[1].friction, 0);

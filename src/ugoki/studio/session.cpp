@@ -256,25 +256,6 @@ Result<std::string> Session::undo_or_redo(bool undo) {
   return ",\"label\":" + text_of(*label) + ",\"revision\":" + std::to_string(project_.revision());
 }
 
-Result<std::string> Session::save(const Request& request) {
-  const auto path = request.json.find("path");
-  const auto overwrite = request.json.find("overwrite");
-  Result<void> saved;
-  if (path == request.json.end() || path->is_null()) {
-    saved = project_.save();
-  } else {
-    if (!request.has_path("path")) return Request::invalid_field("path", "the path of a file");
-    std::filesystem::path to = path->get<std::string>();
-    if (to.extension() != ".ugoki") to += ".ugoki";
-    if (to.is_relative()) to = std::filesystem::path(project_.path()).parent_path() / to;
-    saved = project_.save_as(to.string(), overwrite != request.json.end() && overwrite->is_boolean() && overwrite->get<bool>());
-  }
-  if (!saved) return fail(std::move(saved.error()));
-  remember_project();
-  outbox_.broadcast(document_event());
-  return ",\"path\":" + text_of(project_.path());
-}
-
 /// The stored choices of the user as JSON, or {} if the file is missing or damaged. A damaged file is not reported to the user.
 std::string Session::choices() const {
   const Result<std::string> text = options_.choices_path.empty() ? std::string() : files::read_file(options_.choices_path, max_choices);

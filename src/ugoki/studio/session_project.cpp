@@ -69,6 +69,23 @@ Result<std::string> Session::open_project(const Request& request) {
   return ",\"path\":" + json::to_text(project_.path());
 }
 
+Result<std::string> Session::save(const Request& request) {
+  const auto path = request.json.find("path");
+  const auto overwrite = request.json.find("overwrite");
+  Result<void> saved;
+  if (path == request.json.end() || path->is_null()) {
+    saved = project_.save();
+  } else {
+    if (!request.has_path("path")) return Request::invalid_field("path", "the path of a file");
+    const fs::path to = named_path(path->get<std::string>(), project_.path());
+    saved = project_.save_as(to.string(), overwrite != request.json.end() && overwrite->is_boolean() && overwrite->get<bool>());
+  }
+  if (!saved) return fail(std::move(saved.error()));
+  remember_project();
+  outbox_.broadcast(document_event());
+  return ",\"path\":" + json::to_text(project_.path());
+}
+
 Result<std::string> Session::new_project(const Request& request) {
   const auto from = request.json.find("from");
   if (!request.has_path("path")) return Request::invalid_field("path", "the path of the new project");
