@@ -71,6 +71,22 @@ const deep_views = [
     await escape(page);
     await tab(page, 'Scenario');
   }],
+  ['no rules', async (page) => {
+    await mode(page, 'Edit');
+    await tab(page, 'Rules');
+  }],
+  ['a rule', async (page) => {
+    await page.getByRole('button', { name: 'When something touches, play…' }).click();
+    await page.locator('.rule').waitFor();
+  }, async (page) => {
+    await page.getByRole('button', { name: 'Remove rule 1' }).click();
+    await page.locator('.rule').waitFor({ state: 'detached' });
+    for (let i = 0; i < 2; i++) {
+      await page.keyboard.press('Control+z');
+      await page.waitForTimeout(400);
+    }
+    await tab(page, 'Scenario');
+  }],
   ['naturalness without a simulation', async (page) => {
     await mode(page, 'Edit');
     await tab(page, 'Naturalness');

@@ -118,6 +118,18 @@ await test('`ugoki export` lists the files that it wrote', () => {
   for (const f of written.files) expect(statSync(f.file).size === f.bytes, f.file);
 });
 
+await test('an FMU of the whole content passes the checks of FMI 2.0 and 3.0', () => {
+  const checker = join(dirname(ugoki), 'ugoki_fmi_checker');
+  if (!existsSync(checker)) return 'the checker of FMUs is not built (target ugoki_fmi_checker)';
+  for (const version of ['2', '3']) {
+    const file = at(`park${version}.fmu`);
+    run('export', at('park.ugoki'), '--fmu', file, '--fmi', version);
+    const done = spawnSync('python3', [join(here, '../../tests/fmi/check_fmu.py'), checker, file, '0.01'], { encoding: 'utf8' });
+    expect(done.status === 0 && / 0 wrong/.test(done.stdout), done.stdout + done.stderr);
+  }
+  return undefined;
+});
+
 await test('a page without motion data is smaller than 1.5 MB', () => {
   const share = join(dirname(ugoki), '../share/ugoki');
   const bytes = statSync(join(share, 'player.html')).size;

@@ -87,7 +87,7 @@ function default_layout(api: DockviewApi): void {
 
 /** Adds the panels that layouts stored by older versions lack. */
 function add_missing(api: DockviewApi): void {
-  for (const [id, title, index] of [['rules', 'Rules', 1], ['circuit', 'Circuit', 2]] as const)
+  for (const [id, title, index] of [['circuit', 'Circuit', 1], ['rules', 'Rules', 2]] as const)
     if (!api.getPanel(id)) api.addPanel({ id, component: id, title, inactive: true, position: { referencePanel: 'scenario', direction: 'within', index } });
 }
 
