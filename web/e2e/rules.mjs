@@ -55,7 +55,7 @@ export const rule_journeys = [
       await page.locator(`.rules-head`).click();
       await page.keyboard.press('r');
       await rules_become(page, (r) => r.length === 3, 'the third rule by the key R');
-      await page.getByRole('button', { name: 'Add a condition to rule 3' }).click();
+      await page.getByRole('button', { name: '+ and: add a condition to rule 3' }).click();
       await rules_become(page, (r) => r[2].if.length === 2, 'the second condition');
       await chip(page, 2, 'Kind of condition').nth(1).selectOption('playing');
       await chip(page, 2, 'Motion that plays').selectOption({ index: 1 });

@@ -10,10 +10,7 @@ function pose_matrix(p: readonly number[] | undefined): THREE.Matrix4 {
   return new THREE.Matrix4().compose(new THREE.Vector3(x, y, z), new THREE.Quaternion(qx, qy, qz, qw), no_scale);
 }
 
-// Width of a blend per radius of the thinner link. A joint becomes up to a quarter of this thicker, which suits a trunk but not a limb.
-const limb_blend = 0.8;
-const trunk_blend = 1.8;
-const is_limb = (link: LinkData): boolean => / (left|right)$/.test(link.label ?? '');
+const blend_of_radius = 0.8; // width of a blend per radius of the thinner link: a joint becomes up to 0.2 radii thicker
 
 /** One shape: its signed distance in its own frame, and the transform from the world of the bind pose into this frame. */
 interface Part {
@@ -125,7 +122,7 @@ export class BodyField {
       while (ancestor >= 0 && !by_index.has(ancestor)) ancestor = mechanism.links[ancestor]!.parent;
       const parent = by_index.get(ancestor) ?? null;
       const radius = Math.max(...parts.map((p) => p.radius));
-      const made: FieldLink = { index, parts, parent, centre, reach, radius, blend: (is_limb(link) ? limb_blend : trunk_blend) * Math.min(radius, parent?.radius ?? radius) };
+      const made: FieldLink = { index, parts, parent, centre, reach, radius, blend: blend_of_radius * Math.min(radius, parent?.radius ?? radius) };
       by_index.set(index, made);
       this.links.push(made);
     });

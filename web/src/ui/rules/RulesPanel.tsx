@@ -183,7 +183,7 @@ function RuleRow({ rule, index, last, selected, active, count, problem, text, dr
       {problem && <span className="rule-problem" title={problem} role="note" aria-label={problem}>no effect</span>}
       <span className="rule-count" data-active={active}>{!rule.on ? 'off' : active ? 'now' : count > 0 ? `${count}×` : ''}</span>
       <span className="rule-tools">
-        <button type="button" className="rule-minor" aria-label={`Add a condition to rule ${index + 1}`} title="Add a condition that must also be true" onClick={add_condition}>+ and</button>
+        <button type="button" className="rule-minor" aria-label={`+ and: add a condition to rule ${index + 1}`} title="Add a condition that must also be true" onClick={add_condition}>+ and</button>
         <button type="button" className="rule-minor" aria-label={`Move rule ${index + 1} up`} title="Higher priority" disabled={index === 0} onClick={() => move(index - 1)}><Icon name="up" /></button>
         <button type="button" className="rule-minor" aria-label={`Move rule ${index + 1} down`} title="Lower priority" disabled={last} onClick={() => move(index + 1)}><Icon name="down" /></button>
         <button type="button" className="rule-minor" aria-label={`Remove rule ${index + 1}`} title="Remove the rule" onClick={() => void session.edit({ type: 'rule.remove', id: rule.id })}><Icon name="close" /></button>
