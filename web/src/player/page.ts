@@ -1,7 +1,7 @@
 /** The page of a player. It finds the engine and the content, and answers messages of a page that shows this page in a frame. */
 import type { Engine } from './engine';
 import { set_engine_source, UgokiPlayer } from './element';
-import { inline_data } from './payload';
+import { from_base85, inline_data } from './payload';
 import { draw_pictures } from './pictures';
 import { open_remote_engine } from './remote_engine';
 import { open_wasm_engine } from './wasm_engine';
@@ -28,7 +28,7 @@ async function open_engine(src: string | null): Promise<Engine> {
   return open_wasm_engine(wasm, content);
 }
 
-let engine_bytes = (): Promise<Uint8Array<ArrayBuffer> | null> => inline_data('ugoki-engine');
+let engine_bytes = (): Promise<Uint8Array<ArrayBuffer> | null> => inline_data('ugoki-engine', from_base85);
 /** Sets an engine that is not inside the page: the script ugoki-player.js contains the engine. */
 export function set_engine_bytes(get: () => Promise<Uint8Array<ArrayBuffer> | null>): void {
   engine_bytes = get;
