@@ -158,7 +158,11 @@ int main(int argc, char** argv) {
   app.footer("Example:\n  ./walk --headless --frames 600 --out walk.frames");
   app.failure_message(
       [](const CLI::App*, const CLI::Error& error) { return printable(error.what()) + "\nRun with --help for more information.\n"; });
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
 
   const Result<std::span<const std::byte>> program = map_program();
   if (!program) return print_error(program.error(), o.as_json);

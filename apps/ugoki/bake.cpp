@@ -242,7 +242,12 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
   const Result<Part> part = read_part(o.part);
   if (!part) return print_error(part.error(), o.json);
   std::vector<NamedFile> inputs = input_files(o.targets, o.source);
-  for (const std::string& path : merges) inputs.push_back({"--merge", path});
+  for (const std::string& path : merges) {
+    std::error_code missing;
+    if (const fs::file_status status = fs::status(path, missing); fs::exists(status) && !fs::is_regular_file(status))
+      return print_error(Error(ErrorCode::io, path, "This is not a file.", "Name the table of a part, an SQLite file."), o.json);
+    inputs.push_back({"--merge", path});
+  }
   const std::string table_file = store::is_postgres(o.table) ? "" : o.table;
   const std::vector<NamedFile> outputs = {{"--table", table_file}, {"--csv", o.csv}};
   if (Result<void> may = check_outputs(inputs, outputs); !may) return print_error(may.error(), o.json);
@@ -267,6 +272,9 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
     content::Scenario first = sources[0].scenario;
     if (Result<void> good = apply_variations(first, sources[0].resources, plan.variations, plan.run(part->index).second); !good)
       return print_error(good.error(), o.json);
+    for (const SceneSource& source : sources)
+      if (Result<void> good = check_push_links(source.scenario, source.resources, plan.variations); !good)
+        return print_error(good.error(), o.json);
   }
   if (o.dry_run) {
     print_line(std::to_string(total) + " runs");
@@ -296,7 +304,7 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
   Progress progress("bake");
   std::vector<Worker> running;
   std::size_t next = 0;
-  std::uint64_t added = 0, bad = 0;
+  std::uint64_t added = 0;
   std::optional<Error> failure;
   while ((next < open.size() && !interrupted() && !failure) || !running.empty()) {
     while (running.size() < static_cast<std::size_t>(jobs) && next < open.size() && !interrupted() && !failure) {
@@ -334,7 +342,6 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
       if (!ended) continue;
       const Json row = finish(w, timed_out, o.time_limit);
       const auto [target, values] = plan.run(w.number);
-      if (row["status"] != "done") ++bad;
       if (Result<void> done = table->add(w.number, plan.targets[target], values, row); !done) failure = done.error();
       ++added;
       running.erase(running.begin() + static_cast<std::ptrdiff_t>(i));
@@ -353,12 +360,16 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
     if (!text) return print_error(text.error(), o.json);
     if (Result<void> done = files::write_file(o.csv, *text); !done) return print_error(done.error(), o.json);
   }
+  const Result<SweepFailures> failures = table->failures(part->index, part->count);
+  if (!failures) return print_error(failures.error(), o.json);
   if (o.json)
-    print_json({{"table", store::without_password(o.table)}, {"runs", mine}, {"added", added}, {"not_done", bad}});
+    print_json({{"table", store::without_password(o.table)}, {"runs", mine}, {"added", added}, {"not_done", failures->count}});
   else
     print_line(std::to_string(mine) + " runs in " + store::without_password(o.table) + ", of which " + std::to_string(added) + " now" +
-               (bad > 0 ? ", " + std::to_string(bad) + " without result (column status)" : "") + ".");
-  return 0;
+               (failures->count > 0 ? ", " + std::to_string(failures->count) + " without result (column status)" : "") + ".");
+  if (mine == 0 || failures->count < mine) return 0;
+  print_message("No run has a result. The first: " + failures->first);
+  return 1;
 }
 
 struct PlotOptions {

@@ -12,9 +12,8 @@
 #include <cstring>
 
 #include "output.h"
+#include "ugoki/files/environment.h"
 #include "ugoki/files/files.h"
-
-extern char** environ;
 
 namespace ugoki::cli {
 
@@ -38,7 +37,8 @@ Result<std::string> find_program(const std::string& given, std::initializer_list
   return fail(ErrorCode::io, *names.begin(), "The program was not found.", remedy);
 }
 
-Result<std::unique_ptr<Child>> Child::start(const std::vector<std::string>& words, bool pipe_input, const std::string& log) {
+Result<std::unique_ptr<Child>> Child::start(const std::vector<std::string>& words, bool pipe_input, const std::string& log,
+                                            const std::string& temporary_folder) {
   int ends[2] = {-1, -1};
   if (pipe_input && ::pipe2(ends, O_CLOEXEC) != 0)
     return fail(ErrorCode::io, words[0], "No pipe to the program can be made.", "Close other programs.");
@@ -59,7 +59,9 @@ Result<std::unique_ptr<Child>> Child::start(const std::vector<std::string>& word
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   auto child = std::make_unique<Child>();
-  const int status = ::posix_spawn(&child->pid_, words[0].c_str(), &actions, &attributes, arguments.data(), environ);
+  files::Environment environment;
+  if (!temporary_folder.empty()) environment.set("TMPDIR", temporary_folder);
+  const int status = ::posix_spawn(&child->pid_, words[0].c_str(), &actions, &attributes, arguments.data(), environment.pointers());
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (ends[0] >= 0) ::close(ends[0]);

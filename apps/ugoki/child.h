@@ -21,7 +21,9 @@ namespace ugoki::cli {
 class Child {
  public:
   /// @param words path of the program and its arguments @param log file to which the output of the program is appended
-  [[nodiscard]] static Result<std::unique_ptr<Child>> start(const std::vector<std::string>& words, bool pipe_input, const std::string& log);
+  /// @param temporary_folder folder for the temporary files of the program; empty: the same as for this program
+  [[nodiscard]] static Result<std::unique_ptr<Child>> start(const std::vector<std::string>& words, bool pipe_input, const std::string& log,
+                                                            const std::string& temporary_folder = "");
   Child() = default;
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;

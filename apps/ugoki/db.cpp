@@ -280,6 +280,7 @@ int with_library(const Options& options, Access access, const std::function<Resu
   const std::string location = library_path(options.library);
   Result<Library> library = access == Access::write ? Library::open(location) : Library::open_read_only(location);
   if (!library) return print_error(library.error(), options.json);
+  print_warning(library->warning());
   library->set_author(options.author);
   if (Result<void> done = work(*library); !done) return print_error(done.error(), options.json);
   return 0;

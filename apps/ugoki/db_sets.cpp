@@ -118,8 +118,10 @@ int copy_between(const Options& options, const std::string& from_place, const st
     return print_error({ErrorCode::io, from_place, "The library does not exist.", "Check its name."}, options.json);
   const Result<Library> from = Library::open_read_only(from_place);
   if (!from) return print_error(from.error(), options.json);
+  print_warning(from->warning());
   Result<Library> to = Library::open(to_place);
   if (!to) return print_error(to.error(), options.json);
+  print_warning(to->warning());
   Progress progress("copy");
   const Result<store::CopyReport> report = store::copy_entries(*from, *to, copy_options(options, progress));
   progress.clear();

@@ -231,7 +231,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
                                "--disable-gpu-rasterization"});
   if (::geteuid() == 0) words.emplace_back("--no-sandbox");  // Chromium refuses to run as root with its sandbox
   words.push_back("file://" + (*launch)->path());
-  const Result<std::unique_ptr<Child>> drawing = Child::start(words, false, browser_log.string());
+  const Result<std::unique_ptr<Child>> drawing = Child::start(words, false, browser_log.string(), folder.string());
   if (!drawing) return fail(drawing.error());
 
   std::vector<Video> started;

@@ -116,6 +116,7 @@ int run_import(Options options) {
   if (!options.dry) {
     Result<store::Library> opened = store::Library::open(library_path(options.source.library));
     if (!opened) return print_error(opened.error(), options.json);
+    print_warning(opened->warning());
     library = std::make_unique<store::Library>(std::move(*opened));
   }
   Json files = Json::array(), errors = Json::array();

@@ -86,6 +86,7 @@ Json scenario_json(const content::Scenario& s) {
 Result<Json> info_of_entry(const Options& options) {
   const Result<store::Library> library = store::Library::open_read_only(library_path(options.source.library));
   if (!library) return fail(library.error());
+  print_warning(library->warning());
   const Result<store::LibraryEntry> entry = library->resolve(options.target);
   if (!entry) return fail(entry.error());
   const Result<std::vector<std::byte>> data = library->data(entry->id);
@@ -175,6 +176,7 @@ Result<Json> info_of(const Options& options) {
     case TargetKind::project: {
       const Result<project::Project> project = project::Project::open_read_only(options.target);
       if (!project) return fail(project.error());
+      print_warning(project->warning());
       Json json = {{"kind", "project"}};
       json.update(scenario_json(project->scenario()));
       json["unsaved"] = project->unsaved();
@@ -190,6 +192,7 @@ Result<Json> info_of(const Options& options) {
     case TargetKind::library: {
       const Result<store::Library> library = store::Library::open_read_only(options.target);
       if (!library) return fail(library.error());
+      print_warning(library->warning());
       Json json = {{"kind", "library"}, {"file", options.target}};
       for (const store::EntryKind of : store::entry_kinds) {
         const Result<std::size_t> count = library->count(of);

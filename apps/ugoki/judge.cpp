@@ -104,6 +104,7 @@ Result<Verdict> judge(const Options& options) {
   if (*kind == TargetKind::project) {
     const Result<project::Project> project = project::Project::open_read_only(options.target);
     if (!project) return fail(project.error());
+    print_warning(project->warning());
     const Result<std::vector<std::byte>> ugx = project->generate();
     if (!ugx) return fail(ugx.error());
     return judge_content(*ugx, options.target, options);

@@ -45,7 +45,7 @@ Result<Json> describe(const std::string& path, const std::string& hash = {}, boo
   std::vector<std::string> command{"/proc/self/exe", "lsi", "describe", path};
   if (!hash.empty()) command.insert(command.end(), {"--hash", hash});
   if (start) command.push_back("--start");
-  const Result<plugin::ProgramOutput> ran = plugin::run_program(command, std::chrono::seconds(start ? 60 : 20));
+  const Result<plugin::ProgramOutput> ran = plugin::run_program(command, {std::chrono::seconds(start ? 60 : 20)});
   if (!ran) return fail(ran.error());
   const Result<Json> json = json::parse_json(ran->out, path);
   if (ran->status == 0 && json) {
@@ -118,23 +118,35 @@ std::string needed_text(const plugin::Inspection& file) {
          (file.search_path.empty() ? "" : " (searched in " + file.search_path + ")") + ".";
 }
 
+/// Sentence that names the installed library that the file would replace; empty if there is none.
+std::string replaced_text(const Options& o, const plugin::Inspection& file) {
+  for (const plugin::ShelfEntry& entry : plugin::read_shelf(shelf_of(o)))
+    if (entry.name == file.name && entry.hash != file.hash)
+      return "It replaces the installed library '" + entry.name + "' with the SHA-256 " + entry.hash + ", installed from " + entry.source +
+             ".";
+  return {};
+}
+
 /// Asks for consent to install a library. Without a terminal, --yes or --hash is required. No code of the file has run before.
 Result<void> ask_consent(const Options& o, const plugin::Inspection& file, const std::string& path) {
   if (!o.hash.empty() && o.hash != file.hash)
     return fail(ErrorCode::conflict, path, "The SHA-256 of the file is " + file.hash + ", not the one given with --hash.",
                 "Download the library again from the publisher of the hash.");
-  const std::string needed = needed_text(file);
+  const std::string needed = needed_text(file), replaced = replaced_text(o, file);
   if (o.yes || !o.hash.empty()) {
-    if (!needed.empty()) print_message("warning: " + path + ": " + needed);
+    for (const std::string* text : {&needed, &replaced})
+      if (!text->empty()) print_message("warning: " + path + ": " + *text);
     return {};
   }
   if (isatty(STDIN_FILENO) == 0)
     return fail(ErrorCode::cancelled, path,
-                "A library runs with all your rights; installing it needs your consent." + (needed.empty() ? "" : " " + needed),
+                "A library runs with all your rights; installing it needs your consent." + (needed.empty() ? "" : " " + needed) +
+                    (replaced.empty() ? "" : " " + replaced),
                 "If you trust it, add --yes, or --hash " + file.hash);
   print_line(stated_content(file) + " is a program that runs with all your rights.");
   print_line("SHA-256 " + file.hash);
   if (!needed.empty()) print_line(needed);
+  if (!replaced.empty()) print_line(replaced);
   print_line("Install it? [y/N] ");
   std::string answer;
   std::getline(std::cin, answer);
@@ -170,7 +182,9 @@ int run_new(const Options& o) {
 int run_build(const Options& o) {
   const std::string output = o.output.empty() ? fs::path(o.target).replace_extension(".so").string() : o.output;
   if (Result<void> may = check_outputs({{"the source", o.target}}, {{"--output", output}}); !may) return print_error(may.error(), o.json);
-  const Result<plugin::BuildReport> report = plugin::build_library({o.target, o.output, o.name, o.compiler});
+  catch_interrupt();
+  const Result<plugin::BuildReport> report = plugin::build_library({o.target, o.output, o.name, o.compiler, interrupted});
+  if (interrupted()) return print_error(interrupted_error(), o.json);
   if (!report) return print_error(report.error(), o.json);
   const Result<Json> description = o.install ? install(o, report->output) : describe(report->output);
   if (!description) return print_error(description.error(), o.json);

@@ -165,6 +165,7 @@ Result<std::string> put_motion(const Mechanism& mechanism, const Motion& motion,
                 "Name a .bvh or .glb file, or an entry of the library (a name without a dot).");
   Result<store::Library> library = store::Library::open(library_path(options.library));
   if (!library) return fail(std::move(library.error()));
+  print_warning(library->warning());
   const std::string text = formats::write_mechanism(mechanism);
   const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
   Motion named = motion;

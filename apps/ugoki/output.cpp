@@ -14,6 +14,7 @@ namespace ugoki::cli {
 namespace {
 
 volatile std::sig_atomic_t interrupt_mark = 0;
+constexpr int ending_signals[] = {SIGINT, SIGTERM, SIGHUP};
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -37,6 +38,9 @@ int print_error(const Error& error, bool as_json) {
 }
 
 void print_message(std::string_view message) { std::fprintf(stderr, "ugoki: %s\n", printable(message).c_str()); }
+void print_warning(const std::optional<Problem>& warning) {
+  if (warning) print_message("warning: " + warning->text());
+}
 
 namespace {
 
@@ -105,11 +109,13 @@ void catch_interrupt() {
   struct sigaction act{};
   act.sa_handler = [](int) {
     interrupt_mark = 1;
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
+    for (const int signal : ending_signals) std::signal(signal, SIG_DFL);
   };
-  ::sigaction(SIGINT, &act, nullptr);
-  ::sigaction(SIGTERM, &act, nullptr);
+  for (const int signal : ending_signals) {
+    struct sigaction now{};
+    if (signal == SIGHUP && ::sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN) continue;  // started by nohup
+    ::sigaction(signal, &act, nullptr);
+  }
 }
 bool interrupted() { return interrupt_mark != 0; }
 Error interrupted_error() {

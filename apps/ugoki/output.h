@@ -1,6 +1,7 @@
 #pragma once
 // Output of the verbs: results on stdout, errors and progress on stderr.
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,8 @@ void print_json_text(std::string_view text);
 void print_line(std::string_view line);
 /// Prints "ugoki: ", the message, escaped by printable(), and a newline on stderr.
 void print_message(std::string_view message);
+/// Prints a warning like print_message(), if there is one.
+void print_warning(const std::optional<Problem>& warning);
 /// Prints a table with columns padded to their widest cell; the first row is the heading. Columns with only numbers are right-aligned.
 void print_table(const std::vector<std::vector<std::string>>& rows);
 
@@ -45,8 +48,8 @@ class Progress {
   double began_, last_ = 0;
 };
 
-/// From this call on the first Ctrl+C (or SIGTERM) only sets a flag, which interrupted() returns, so that the verb can finish cleanly. The
-/// second signal ends the process at once.
+/// From this call on the first Ctrl+C (or SIGTERM, or SIGHUP when the terminal is closed) only sets a flag, which interrupted() returns, so
+/// that the verb can finish cleanly. The second signal ends the process at once.
 void catch_interrupt();
 [[nodiscard]] bool interrupted();
 [[nodiscard]] Error interrupted_error();

@@ -103,7 +103,9 @@ Result<store::Library> library_of(const std::string& target, const SourceOptions
     return fail(ErrorCode::unknown, target,
                 "The file does not exist, and there is no library (" + path + ") that could contain such an entry.",
                 "Check the name, or import something first.");
-  return store::Library::open_read_only(path);
+  Result<store::Library> library = store::Library::open_read_only(path);
+  if (library) print_warning(library->warning());
+  return library;
 }
 
 Result<TargetKind> kind_of(const std::string& target) {
@@ -220,6 +222,7 @@ Result<SceneSource> load_scene(const std::string& target, const SourceOptions& o
   if (*kind == TargetKind::project) {
     const Result<project::Project> project = project::Project::open_read_only(target);
     if (!project) return fail(project.error());
+    print_warning(project->warning());
     out.scenario = project->scenario();
     out.resources = project->resources();
     out.name = out.scenario.name;

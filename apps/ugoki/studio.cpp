@@ -75,6 +75,7 @@ int run_studio(const Options& options) {
   }
   Result<project::Project> project = options.project.empty() ? open_sample(service.library_path) : project::Project::open(options.project);
   if (!project) return print_error(project.error(), options.json);
+  print_warning(project->warning());
   const std::string path = project->path();
   const Result<std::unique_ptr<studio::Studio>> started = studio::Studio::start(service, std::move(*project));
   if (!started) return print_error(started.error(), options.json);

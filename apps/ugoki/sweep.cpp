@@ -69,6 +69,23 @@ Result<void> set_parameter(content::Scenario& s, const std::string& name, const 
               "Write lsi:ID.PARAMETER.");
 }
 
+constexpr const char* usual_link = "chest";  // the link on which pushes act, unless push-link is varied
+
+/// The character on which pushes act; null: there is none.
+const content::ScenarioCharacter* pushed_character(const content::Scenario& s) {
+  const auto found =
+      std::ranges::find_if(s.characters, [](const content::ScenarioCharacter& c) { return c.control.mode == content::ControlMode::track; });
+  return found == s.characters.end() ? nullptr : &*found;
+}
+
+Result<void> check_link(const content::ScenarioCharacter& character, const content::Resources& resources, const std::string& link) {
+  if (content::find_link(*resources.mechanisms.at(character.mechanism), link) >= 0) return {};
+  if (link == usual_link)
+    return fail(ErrorCode::unknown, "--vary push", "The character has no link '" + link + "', on which pushes act by default.",
+                "Name a link: --vary push-link=LINK. `ugoki info` lists the links.");
+  return fail(ErrorCode::unknown, "--vary push-link", "The character has no link '" + link + "'.", "`ugoki info` lists the links.");
+}
+
 }  // namespace
 
 Result<Variation> read_variation(const std::string& text, bool random) {
@@ -147,7 +164,7 @@ std::string SweepPlan::text() const {
 Result<void> apply_variations(content::Scenario& s, const content::Resources& resources, const std::vector<Variation>& variations,
                               const std::vector<std::string>& values) {
   double push = 0, angle = 0, time = 1, duration = 0.2;
-  std::string link = "chest";
+  std::string link = usual_link;
   // JSON pointers are applied first, because they replace the document.
   for (std::size_t i = 0; i < variations.size(); ++i) {
     if (!variations[i].name.starts_with("/")) continue;
@@ -203,12 +220,10 @@ Result<void> apply_variations(content::Scenario& s, const content::Resources& re
     }
   }
   if (push == 0) return {};
-  const auto target =
-      std::ranges::find_if(s.characters, [](const content::ScenarioCharacter& c) { return c.control.mode == content::ControlMode::track; });
-  if (target == s.characters.end())
+  const content::ScenarioCharacter* target = pushed_character(s);
+  if (target == nullptr)
     return fail(ErrorCode::structure, "--vary push", "The content has no character that follows a track.", "Vary another quantity.");
-  if (content::find_link(*resources.mechanisms.at(target->mechanism), link) < 0)
-    return fail(ErrorCode::unknown, "--vary push-link", "The character has no link '" + link + "'.", "`ugoki info` lists the links.");
+  if (Result<void> known = check_link(*target, resources, link); !known) return known;
   content::ScenarioEvent event;
   event.id = "bake-push";
   event.time = time;
@@ -218,6 +233,21 @@ Result<void> apply_variations(content::Scenario& s, const content::Resources& re
   const SinCos a = sin_cos((target->place.heading + angle) * pi / 180);  // 0: forward, 90: to the left
   event.force = {push * a.cos, push * a.sin, 0};
   s.events.push_back(std::move(event));
+  return {};
+}
+
+Result<void> check_push_links(const content::Scenario& scenario, const content::Resources& resources,
+                              const std::vector<Variation>& variations) {
+  const auto find = [&](const char* name) { return std::ranges::find(variations, name, &Variation::name); };
+  const auto links = find("push-link");
+  if (links == variations.end()) return {};
+  if (find("push") == variations.end())
+    return fail(ErrorCode::structure, "--vary push-link", "No push acts on the link.", "Vary the force too, for example --vary push=200.");
+  const content::ScenarioCharacter* target = pushed_character(scenario);
+  if (target == nullptr)
+    return fail(ErrorCode::structure, "--vary push", "The content has no character that follows a track.", "Vary another quantity.");
+  for (const std::string& link : links->values)
+    if (Result<void> known = check_link(*target, resources, link); !known) return known;
   return {};
 }
 

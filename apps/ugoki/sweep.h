@@ -42,6 +42,10 @@ struct SweepPlan {
 [[nodiscard]] Result<void> apply_variations(content::Scenario& scenario, const content::Resources& resources,
                                             const std::vector<Variation>& variations, const std::vector<std::string>& values);
 
+/// Checks all values of push-link: each must be a link of the character that is pushed, and there must be a push.
+[[nodiscard]] Result<void> check_push_links(const content::Scenario& scenario, const content::Resources& resources,
+                                            const std::vector<Variation>& variations);
+
 /// Names of the measures of a run, in the order of their columns.
 [[nodiscard]] const std::vector<std::string>& sweep_measures();
 

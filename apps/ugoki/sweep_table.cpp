@@ -160,6 +160,17 @@ Result<std::vector<std::uint64_t>> SweepTable::finished() {
   return out;
 }
 
+Result<SweepFailures> SweepTable::failures(std::uint64_t index, std::uint64_t parts) {
+  const Result<store::Rows> rows =
+      connection_->query("SELECT number, status, message FROM " + table_ + " WHERE status <> 'done' AND number % ?1 = ?2 ORDER BY number",
+                         {static_cast<std::int64_t>(parts), static_cast<std::int64_t>(index)});
+  if (!rows) return fail(rows.error());
+  SweepFailures out;
+  out.count = rows->size();
+  if (!rows->empty()) out.first = "run " + std::to_string(rows->integer(0, 0)) + ", " + rows->text(0, 1) + ": " + rows->text(0, 2);
+  return out;
+}
+
 /// Inserts a row, unless the table has a row with the same number. @return true if the row was inserted
 Result<bool> SweepTable::insert(const std::vector<store::Value>& cells) {
   std::string places;

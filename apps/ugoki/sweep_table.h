@@ -22,6 +22,12 @@ struct TableAddress {
 /// Checks that an address of PostgreSQL has a valid name, and that the path of an SQLite file has none.
 [[nodiscard]] Result<void> check_address(const TableAddress& address);
 
+/// The runs that have a row but no result.
+struct SweepFailures {
+  std::uint64_t count = 0;
+  std::string first;  ///< status and message of the first one
+};
+
 /// A table of results with a row for each finished run.
 class SweepTable {
  public:
@@ -30,6 +36,8 @@ class SweepTable {
   [[nodiscard]] static Result<SweepTable> open(const TableAddress& address, const SweepPlan& plan);
   /// Numbers of the runs that have a row, ascending.
   [[nodiscard]] Result<std::vector<std::uint64_t>> finished();
+  /// The runs of a part (index, index + parts, ...) whose status is not `done`.
+  [[nodiscard]] Result<SweepFailures> failures(std::uint64_t index, std::uint64_t parts);
   /// Adds the row of a run, unless the table has a row with the same number. The row is on the disk when this function returns.
   /// @param row JSON object: status, message, steps, processor_s, state_hash, measures
   [[nodiscard]] Result<void> add(std::uint64_t number, const std::string& target, const std::vector<std::string>& values,

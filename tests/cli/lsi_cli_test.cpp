@@ -244,6 +244,19 @@ TEST_F(LsiCliTest, TextOfAnLsiDoesNotMixWithJson) {
   EXPECT_NE(ran.err.find("{running}"), std::string::npos);
 }
 
+TEST_F(LsiCliTest, ReplacedLibraryIsNamedBeforeConsent) {
+  const auto build = [&](const std::string& file, const std::string& body) {
+    return json({"lsi", "build", write(file, "double f(double x) { return " + body + "; }\n"), "--name", "same"})["output"]
+        .get<std::string>();
+  };
+  const std::string first = build("a.c", "x"), second = build("b.c", "-x");
+  json({"lsi", "install", first, "--yes"});
+  fails({"lsi", "install", second}, "It replaces the installed library 'same' with the SHA-256 ");
+  const Output again = ugoki({"lsi", "install", first, "--yes"});
+  EXPECT_EQ(again.status, 0);
+  EXPECT_EQ(again.err.find("replaces"), std::string::npos) << "it is the same file";
+}
+
 TEST_F(LsiCliTest, ListMarksChangedAndMissingCopies) {
   for (const char* name : {"good", "changed", "missing"}) {
     const Json built = json({"lsi", "build", write(std::string(name) + ".c", "double f(double x) { return x; }\n")});

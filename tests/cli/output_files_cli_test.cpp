@@ -108,6 +108,27 @@ TEST_F(OutputFilesCliTest, NumberedPicturesOverwriteNothing) {
   }
 }
 
+TEST_F(OutputFilesCliTest, BakeReportsRunsWithoutResult) {
+  const std::string bvh = walk();
+  const auto bake = [&](const std::string& table, std::vector<std::string> more) {
+    std::vector<std::string> all = {"bake", bvh, "--duration", "0.01", "--table", path(table)};
+    all.insert(all.end(), more.begin(), more.end());
+    return ugoki(all);
+  };
+  for (int i = 0; i < 2; ++i) {  // the second call finds all runs in the table
+    const Output some = bake("some.db", {"--vary", "friction=0.5,-1"});
+    EXPECT_EQ(some.status, 0) << some.err;
+    EXPECT_NE(some.out.find("1 without result"), std::string::npos) << some.out;
+    const Output none = bake("none.db", {"--vary", "friction=-1", "--vary", "tracking=1", "--random", "2"});
+    EXPECT_EQ(none.status, 1);
+    EXPECT_NE(none.err.find("No run has a result. The first: run 0, failed: "), std::string::npos) << none.err;
+  }
+  fails({"bake", bvh, "--duration", "0.01", "--table", path("t.db"), "--vary", "push-link=head"}, "No push acts on the link");
+  fails({"bake", bvh, "--duration", "0.01", "--table", path("t.db"), "--vary", "push=0,100", "--vary", "push-link=head,zz"},
+        "no link 'zz'");
+  fails({"bake", bvh, "--duration", "0.01", "--table", path("t.db"), "--merge", "/dev/zero"}, "This is not a file");
+}
+
 TEST_F(OutputFilesCliTest, ScriptsOfSlurmOverwriteNothing) {
   const std::string bvh = walk();
   const auto bake = [&](const std::string& table) {

@@ -169,6 +169,29 @@ TEST(LoopClosure, ProjectionDoesNotMoveThetaG) {
   for (const int g : G) EXPECT_EQ(q[static_cast<std::size_t>(g)], before[static_cast<std::size_t>(g)]);
 }
 
+// Repeated loops give more than twice as many rows as DOFs; the step is then computed with a matrix of the size of the DOFs.
+TEST(LoopClosure, RepeatedLoopsCloseAsOneDoes) {
+  const ClosedCase c = four_bar({}, 0.5, 0);
+  MechanismSpec spec = c.mechanism->spec();
+  const LoopSpec loop = spec.loops[0];
+  for (int i = 0; i < 4; ++i) {
+    spec.loops.push_back(loop);
+    spec.loops.back().name += std::to_string(i);
+  }
+  const MechanismPtr many = Mechanism::make(spec).value();
+  ClosedWorkspace one_workspace(*c.mechanism), many_workspace(*many);
+  ASSERT_GT(many_workspace.active.size(), 2 * static_cast<std::size_t>(many->nv()));
+  std::vector<double> weights(static_cast<std::size_t>(many->nv()), 1.0);
+  weights[0] = std::numeric_limits<double>::infinity();  // the crank stays, so that the closed configuration is unique
+  weights[1] = 3;
+  std::vector<double> one = c.q, repeated = c.q;
+  for (std::size_t i = 1; i < one.size(); ++i) one[i] = repeated[i] += 0.1;
+  ASSERT_TRUE(close_positions(*c.mechanism, one, one_workspace, weights).closed);
+  ASSERT_TRUE(close_positions(*many, repeated, many_workspace, weights).closed);
+  EXPECT_EQ(repeated[0], c.q[0]);
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_NEAR(repeated[i], one[i], 1e-11) << i;
+}
+
 TEST(LoopClosure, LoopThatCannotCloseIsExplained) {
   FourBar bars;
   ClosedCase c = four_bar(bars, 0.5, 0);

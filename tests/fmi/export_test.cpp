@@ -70,8 +70,9 @@ class Export : public FmiTest, public ::testing::WithParamInterface<int> {
   }
   /// Runs the independent check.
   static void check(const std::string& fmu) {
-    const auto ran = plugin::run_program(
-        {"/usr/bin/python3", std::string(UGOKI_SOURCE_DIR) + "/tests/fmi/check_fmu.py", UGOKI_FMI_CHECKER, fmu}, std::chrono::seconds(60));
+    const auto ran =
+        plugin::run_program({"/usr/bin/python3", std::string(UGOKI_SOURCE_DIR) + "/tests/fmi/check_fmu.py", UGOKI_FMI_CHECKER, fmu},
+                            {std::chrono::seconds(60)});
     ASSERT_TRUE(ran);
     EXPECT_EQ(ran->status, 0) << ran->out << ran->err;
     EXPECT_NE(ran->out.find(", 0 wrong"), std::string::npos) << ran->out;
@@ -298,7 +299,7 @@ TEST_P(Export, CheckerFindsFaults) {
   const auto status = [&](const std::string& description) {
     const auto ran = plugin::run_program({"/usr/bin/python3", std::string(UGOKI_SOURCE_DIR) + "/tests/fmi/check_fmu.py", UGOKI_FMI_CHECKER,
                                           unit("dahlquist", "Dahlquist", GetParam(), description), "0.1"},
-                                         std::chrono::seconds(60));
+                                         {std::chrono::seconds(60)});
     return ran ? ran->out : "";
   };
   std::string twice = description_of("dahlquist", GetParam());

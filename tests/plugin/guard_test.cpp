@@ -128,12 +128,26 @@ TEST_F(GuardTest, SuspectedLsisAreListedOnceWithTheNumberOfFurtherOnes) {
 
 TEST(RunProgram, ProcessThatKeepsThePipesOpenDoesNotHang) {
   const auto begin = std::chrono::steady_clock::now();
-  const Result<ProgramOutput> ran = run_program({"sh", "-c", "sleep 60 & echo done"}, std::chrono::seconds(50));
+  const Result<ProgramOutput> ran = run_program({"sh", "-c", "sleep 60 & echo done"}, {std::chrono::seconds(50)});
   ASSERT_TRUE(ran);
   EXPECT_EQ(ran->status, 0);
   EXPECT_FALSE(ran->timed_out);
   EXPECT_EQ(ran->out, "done\n");
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(40));
+}
+
+TEST(RunProgram, CancelledProgramEnds) {
+  const auto begin = std::chrono::steady_clock::now();
+  const Result<ProgramOutput> ran = run_program({"sleep", "60"}, {std::chrono::seconds(50), "", [] { return true; }});
+  ASSERT_FALSE(ran);
+  EXPECT_EQ(ran.error().problems.front().code, ErrorCode::cancelled);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(40));
+}
+
+TEST(RunProgram, TemporaryFolderIsPassedOn) {
+  const Result<ProgramOutput> ran = run_program({"sh", "-c", "echo $TMPDIR"}, {std::chrono::seconds(50), "/somewhere"});
+  ASSERT_TRUE(ran);
+  EXPECT_EQ(ran->out, "/somewhere\n");
 }
 
 }  // namespace

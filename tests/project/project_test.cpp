@@ -113,6 +113,20 @@ TEST_F(ProjectTest, ReopenedProjectHasTheSameContent) {
   EXPECT_FALSE(Project::create(path_, make_scenario(), make_resources())) << "the file exists";
 }
 
+TEST_F(ProjectTest, MissingFolderIsNamed) {
+  Project project = make();
+  const std::string path = folder_ + "/none/../other.ugoki";
+  const auto created = Project::create(path, make_scenario(), make_resources());
+  ASSERT_FALSE(created);
+  const auto saved = project.save_as(path, false);
+  ASSERT_FALSE(saved);
+  for (const Error* error : {&created.error(), &saved.error()})
+    EXPECT_NE(error->text().find("/none/.. does not exist"), std::string::npos) << error->text();
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) files += entry.path().filename().string().starts_with("other");
+  EXPECT_EQ(files, 0);
+}
+
 TEST_F(ProjectTest, CreatingAnInvalidProjectFails) {
   EXPECT_FALSE(Project::create(path_, make_scenario(), {}));
   EXPECT_FALSE(fs::exists(path_));

@@ -1,6 +1,10 @@
 // Exported sets, copies between libraries, and migration between the databases.
 
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 
 #include "on_both.h"
@@ -140,6 +144,22 @@ TEST_P(CopyTest, AddsNewerVersionsAndNeverOverwritesDifferences) {
   EXPECT_EQ(there->get(ids[2])->version, 3);
   EXPECT_EQ(copy_entries(here, *there, on_top)->saved, 0u) << "a repeated copy adds nothing";
   EXPECT_TRUE(there->check(false)->problems.empty()) << there->check(false)->problems.text();
+}
+
+TEST_P(CopyTest, PartsOfKilledExportsAreRemoved) {
+  Library here = open();
+  const std::vector<std::string> ids = fill(here);
+  const pid_t ended = ::fork();
+  if (ended == 0) ::_exit(0);
+  ::waitpid(ended, nullptr, 0);
+  const std::string file = folder_.path() + "/walks.ugoki-set", part = file + ".part-";
+  const std::string left = part + std::to_string(ended), used = part + std::to_string(::getppid()), other = part + "x";
+  for (const std::string& path : {left, left + "-journal", used, other}) std::ofstream(path) << "x";
+  ASSERT_TRUE(export_set(here, {ids[1]}, file));
+  EXPECT_FALSE(std::filesystem::exists(left));
+  EXPECT_FALSE(std::filesystem::exists(left + "-journal"));
+  EXPECT_TRUE(std::filesystem::exists(used)) << "its process still runs";
+  EXPECT_TRUE(std::filesystem::exists(other));
 }
 
 TEST_P(CopyTest, ExportedSetIncludesReferencedEntries) {

@@ -193,5 +193,32 @@ TEST_F(DamagedLibraryTest, UnreachableLocationsAreReported) {
   EXPECT_FALSE(below_file.error().problems.front().remedy.empty());
 }
 
+TEST_F(DamagedLibraryTest, DamagedLogIsReportedAndKept) {
+  const std::string crashed = folder_ + "/crashed.db";
+  {
+    auto library = Library::open(path_);
+    ASSERT_TRUE(library);
+    EXPECT_FALSE(library->warning());
+    for (int i = 0; i < 5; ++i)
+      ASSERT_TRUE(library->put(std::vector<LibraryItem>{
+          {EntryKind::motion, "motion " + std::to_string(i), "{}", {"tag"}, std::vector<std::byte>(3000, std::byte(i))}}));
+    fs::copy_file(path_, crashed);
+    fs::copy_file(path_ + "-wal", crashed + "-wal");
+  }
+  std::fstream log(crashed + "-wal", std::ios::binary | std::ios::in | std::ios::out);
+  log.seekp(static_cast<std::streamoff>(fs::file_size(crashed + "-wal") / 2));
+  log << std::string(64, 'U');
+  log.close();
+  {
+    const auto look = Library::open_read_only(crashed);
+    ASSERT_TRUE(look) << look.error().text();
+    ASSERT_TRUE(look->warning());
+  }
+  const auto library = Library::open(crashed);
+  ASSERT_TRUE(library) << library.error().text();
+  ASSERT_TRUE(library->warning());
+  EXPECT_NE(library->warning()->message.find("kept: " + folder_ + "/crashed (rescued "), std::string::npos) << library->warning()->text();
+}
+
 }  // namespace
 }  // namespace ugoki::store

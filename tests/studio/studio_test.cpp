@@ -109,6 +109,25 @@ TEST_F(StudioTest, CommandsLoadMotionsFromTheLibrary) {
       p.ask({{"op", "command"}, {"command", {{"type", "clip.add"}, {"character", "human"}, {"motion", "n-0123"}, {"start", 1}}}})["ok"]);
 }
 
+TEST_F(StudioTest, MotionOperationIsAnsweredIfTheProjectIsClosed) {
+  Page p = page(), other = page();
+  const int request =
+      p.post({{"op", "motion"}, {"task", "t1"}, {"character", "human"}, {"clip", "k1"}, {"operation", "retarget"}, {"sample", "dog"}});
+  ASSERT_TRUE(other.ask({{"op", "new"}, {"path", "another"}, {"from", "empty"}})["ok"]);
+  const json reply = p.reply(request);
+  ASSERT_FALSE(reply.is_null()) << "the page would wait for ever";
+  // The operation may have ended before the project was closed.
+  if (!reply["ok"]) EXPECT_NE(reply["error"]["problems"][0]["message"].get<std::string>().find("was closed"), std::string::npos) << reply;
+}
+
+TEST_F(StudioTest, NamesOfHiddenFilesAreRefused) {
+  Page p = page();
+  for (const char* name : {".", "/", "..", "folder/.", ".hidden"}) {
+    EXPECT_FALSE(p.ask({{"op", "save"}, {"path", name}})["ok"]) << name;
+    EXPECT_FALSE(p.ask({{"op", "new"}, {"path", name}, {"from", "empty"}})["ok"]) << name;
+  }
+}
+
 TEST_F(StudioTest, MotionOperationIsOneUndoStep) {
   Page p = page();
   const json before = p.ask({{"op", "hello"}})["document"];

@@ -9,8 +9,9 @@
 namespace ugoki::dynamics {
 namespace {
 
-constexpr double accepted_gap = 1e-11;  // rad, or fraction of cw.length: well above rounding error, far below visible gaps
-constexpr int max_starts = 24;          // number of start configurations that assemble() tries, the given one included
+constexpr double accepted_gap = 1e-11;      // rad, or fraction of cw.length: well above rounding error, far below visible gaps
+constexpr double max_assembly_work = 1e10;  // multiplications: limit of close_positions(), and of assemble() for further starts
+constexpr int max_starts = 24;              // number of start configurations that assemble() tries, the given one included
 
 /// Maximum distance [m] of a link's origin from the reference point; at least cw.length. Scale of the rounding errors of gaps.
 double extent(const ClosedWorkspace& cw) {
@@ -50,11 +51,41 @@ bool has_reversed_axis(const ClosedWorkspace& cw) {
   return false;
 }
 
+/// One damped least-squares step of damped_step() for more rows than twice the DOFs: with W = D^1/2 the step is
+/// -W (W J^T J W + damping s E)^-1 W J^T g, by the identity A^T (A A^T + c E)^-1 = (A^T A + c E)^-1 A^T. The matrix has the size of the
+/// DOFs.
+bool damped_step_of_dofs(ClosedWorkspace& cw, std::span<const double> weights, double damping, std::span<double> y) {
+  const std::size_t n = y.size(), rows = cw.active.size();
+  const auto W = [&](std::size_t j) { return weights.empty() ? 1.0 : std::sqrt(1.0 / weights[j]); };
+  cw.normal.assign(n * n, 0.0);
+  std::ranges::fill(y, 0.0);
+  double maximum = 0;
+  for (std::size_t a = 0; a < rows; ++a) {
+    const double* row = cw.J.data() + a * n;
+    const double gap = scaled_gap(cw, static_cast<int>(a));
+    double diagonal = 0;  // entry of J D J^T
+    for (std::size_t i = 0; i < n; ++i) {
+      const double x = W(i) * row[i];
+      if (x == 0) continue;
+      diagonal += x * x;
+      y[i] -= x * gap;
+      for (std::size_t j = 0; j <= i; ++j) cw.normal[i * n + j] += x * W(j) * row[j];
+    }
+    maximum = std::max(maximum, diagonal);
+  }
+  for (std::size_t j = 0; j < n; ++j) cw.normal[j * n + j] += damping * std::max(maximum, 1e-30);
+  if (!factor_cholesky(cw.normal, static_cast<int>(n), 0)) return false;
+  solve_cholesky(cw.normal, static_cast<int>(n), y);
+  for (std::size_t j = 0; j < n; ++j) y[j] *= W(j);
+  return true;
+}
+
 /// One damped least-squares step: y = -D J^T (J D J^T + damping s E)^-1 g. E is the identity, D = 1 / weights (diagonal), g the scaled
 /// gaps, and s the maximum diagonal entry of J D J^T. All quantities are scaled to one unit.
 /// @param y [nv, out] @return false if the damping is too small for a Cholesky factorisation
 bool damped_step(ClosedWorkspace& cw, std::span<const double> weights, double damping, std::span<double> y) {
   const std::size_t n = y.size(), rows = cw.active.size();
+  if (rows > 2 * n) return damped_step_of_dofs(cw, weights, damping, y);
   const auto inverse_weight = [&](std::size_t j) { return weights.empty() ? 1.0 : 1.0 / weights[j]; };
   cw.normal.resize(rows * rows);
   double maximum = 0;
@@ -79,6 +110,13 @@ bool damped_step(ClosedWorkspace& cw, std::span<const double> weights, double da
     y[j] = -inverse_weight(j) * sum;
   }
   return true;
+}
+
+/// Estimate of the multiplications of one damped_step().
+double work_of_step(const ClosedWorkspace& cw, std::size_t dofs) {
+  const auto rows = static_cast<double>(cw.active.size()), n = static_cast<double>(dofs);
+  const double size = rows > 2 * n ? n : rows;  // of the matrix that is factored
+  return rows * n * size / 2 + size * size * size / 6;
 }
 
 /// Scales y so that no entry exceeds `limit` in absolute value, then converts it to the units of v.
@@ -169,7 +207,9 @@ Closure close_positions(const Mechanism& m, std::span<double> q, ClosedWorkspace
   double cost = squared_gap(cw), damping = 1e-3;
   int iterations = 0;
   bool moved = true;
-  for (; iterations < 300 && std::isfinite(cost); ++iterations) {
+  const double affordable = max_assembly_work / work_of_step(cw, static_cast<std::size_t>(m.nv()));
+  const int max_iterations = affordable < 300 ? std::max(30, static_cast<int>(affordable)) : 300;
+  for (; iterations < max_iterations && std::isfinite(cost); ++iterations) {
     if (const Closure c = measure_gap(cw); c.row < 0 || std::sqrt(cost) <= cw.gap_tolerance) break;
     if (moved) update_constraint_matrix(m, cw);
     if (!damped_step(cw, weights, damping, cw.step)) {
@@ -202,9 +242,10 @@ Closure assemble(const Mechanism& m, std::span<double> q, ClosedWorkspace& cw, s
   std::vector<double> trial = start, best = start, perturbation(static_cast<std::size_t>(m.nv()));
   PseudoRandom random;
   Closure closure;
-  double minimum = 0;
-  for (int k = 0; k < max_starts; ++k) {
+  double minimum = 0, work = 0;
+  for (int k = 0; k < max_starts && work <= max_assembly_work; ++k) {
     const Closure c = close_positions(m, trial, cw, weights);
+    work += c.iterations * work_of_step(cw, static_cast<std::size_t>(m.nv()));
     const bool good = c.closed && !has_reversed_axis(cw);
     const double cost = squared_gap(cw) + (has_reversed_axis(cw) ? 4.0 : 0.0);
     if (k == 0 || cost < minimum) {

@@ -360,7 +360,13 @@ class Reader {
       v.description = outer.attribute("description").value();
       const std::optional<ValueReference> reference = whole<ValueReference>(outer.attribute("valueReference").value());
       if (v.name.empty()) problem(outer, ErrorCode::structure, "A variable has no name.");
-      if (!reference) problem(outer, ErrorCode::structure, "The variable '" + v.name + "' has no value reference.");
+      if (!reference) {
+        const std::string text = outer.attribute("valueReference").value();
+        problem(outer, ErrorCode::structure,
+                text.empty() ? "The variable '" + v.name + "' has no value reference."
+                             : "The value reference '" + text.substr(0, 40) + "' of the variable '" + v.name +
+                                   "' is not a whole number from 0 to 4294967295.");
+      }
       v.reference = reference.value_or(0);
       read_causality(outer, v);
       const std::string declared = inner.attribute("declaredType").value();

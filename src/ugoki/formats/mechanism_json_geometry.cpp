@@ -138,8 +138,10 @@ GeometryPtr read_geometry(Fields& f) {
 
 HeightFieldPtr read_height_field(Fields& f) {
   HeightField field;
+  const std::size_t before = f.problems().problems.size();
   f.integer("columns", field.columns);
   f.integer("rows", field.rows);
+  if (f.problems().problems.size() > before) return nullptr;
   f.number("half_x", field.half_x);
   f.number("half_y", field.half_y);
   f.number("base", field.base);

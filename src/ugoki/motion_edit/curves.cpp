@@ -208,11 +208,15 @@ int MotionCurves::find(const std::string& link, Curve::Kind kind) const {
   return -1;
 }
 
+// Bounds of the keys: a rotation differs from another by at most 180 degrees; 100 m is far above any useful bound.
+constexpr double max_degrees = 180, max_metres = 100;
+
 Result<MotionCurves> reduce_keys(const Mechanism& m, const Motion& motion, const ReduceOptions& o) {
   if (Error wrong = check_motion(motion, m); !wrong.empty()) return fail(std::move(wrong));
-  if (!(o.degrees > 0) || !(o.metres > 0))
+  if (!(o.degrees > 0 && o.degrees <= max_degrees) || !(o.metres > 0 && o.metres <= max_metres))
     return fail(ErrorCode::range, "bounds of the keys",
-                "The bounds are " + to_text(o.degrees) + " degrees and " + to_text(o.metres) + " m.", "Use bounds above 0.");
+                "The bounds are " + to_text(o.degrees) + " degrees and " + to_text(o.metres) + " m.",
+                "Use bounds above 0 and at most 180 degrees and 100 m.");
   MotionCurves out{motion.name, motion.source, m.name(), motion.rate, motion.frames, motion.cyclic, {}, motion.contacts};
   for (const Link& link : m.links())
     for (const Part& part : parts_of(link.joint)) {

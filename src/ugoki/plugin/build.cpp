@@ -176,7 +176,7 @@ Result<BuildReport> build_library(const BuildRequest& request) {
                                               "-o",
                                               made,
                                               "-lm"};
-  const Result<ProgramOutput> ran = run_program(arguments, compile_limit);
+  const Result<ProgramOutput> ran = run_program(arguments, {compile_limit, folder->path(), request.cancelled});
   if (!ran) return fail(ran.error());
   Error errors;
   read_messages(ran->err, request, full, *text, errors, report.warnings);

@@ -1,6 +1,7 @@
 #pragma once
 // LSI builder: compiles a C or C++ file to a library of software LSIs (components of circuits).
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct BuildRequest {
   std::string output;    ///< path of the library; empty: as `source`, with the extension .so
   std::string name;      ///< name of the library; empty: `@library NAME` in the first comment, or the file's name
   std::string compiler;  ///< name or path; empty: the first installed one of clang-19, clang, gcc (C++: clang++-19, clang++, g++)
+  std::function<bool()> cancelled = {};  ///< true: the compiler is stopped, and build_library() fails with `cancelled`; may be empty
 };
 
 /// Result of build_library().

@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "ugoki/files/environment.h"
 #include "ugoki/plugin/drain.h"
 
 namespace ugoki::plugin {
@@ -20,7 +21,7 @@ constexpr std::chrono::milliseconds look_period{20};  // a program that ended wh
 
 }  // namespace
 
-Result<ProgramOutput> run_program(const std::vector<std::string>& arguments, std::chrono::seconds limit) {
+Result<ProgramOutput> run_program(const std::vector<std::string>& arguments, const ProgramLimits& limits) {
   int out[2], err[2];
   if (::pipe2(out, O_CLOEXEC) != 0)
     return fail(ErrorCode::io, arguments[0], "No pipe can be opened for the program's output.", "Close other programs.");
@@ -38,24 +39,31 @@ Result<ProgramOutput> run_program(const std::vector<std::string>& arguments, std
   for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
   pid_t pid = -1;
-  const int error = posix_spawnp(&pid, argv[0], &actions, nullptr, argv.data(), environ);
+  files::Environment environment;
+  if (!limits.temporary_folder.empty()) environment.set("TMPDIR", limits.temporary_folder);
+  const int error = posix_spawnp(&pid, argv[0], &actions, nullptr, argv.data(), environment.pointers());
   posix_spawn_file_actions_destroy(&actions);
   ::close(out[1]);
   ::close(err[1]);
   ::fcntl(out[0], F_SETFL, O_NONBLOCK);
   ::fcntl(err[0], F_SETFL, O_NONBLOCK);
   ProgramOutput output;
-  const auto end = std::chrono::steady_clock::now() + limit;
+  auto end = std::chrono::steady_clock::now() + limits.time;
   pollfd ends[2] = {{out[0], POLLIN, 0}, {err[0], POLLIN, 0}};
   std::string* texts[2] = {&output.out, &output.err};
   int status = 0;
-  bool ended = error != 0;
+  bool ended = error != 0, cancelled = false;
   // A process that the program has started may keep the pipes open. So read until the program has ended, then only bytes already there.
   while (!ended) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
     if (left.count() <= 0 && !output.timed_out) {
       output.timed_out = true;
       ::kill(pid, SIGKILL);
+    }
+    if (!cancelled && limits.cancelled && limits.cancelled()) {
+      cancelled = true;
+      ::kill(pid, SIGTERM);  // a compiler then ends the programs that it has started
+      end = std::chrono::steady_clock::now() + std::chrono::seconds(1);
     }
     const auto wait = std::clamp(left, std::chrono::milliseconds(1), look_period);
     (void)::poll(ends, 2, static_cast<int>(wait.count()));
@@ -69,6 +77,7 @@ Result<ProgramOutput> run_program(const std::vector<std::string>& arguments, std
   if (error != 0)
     return fail(ErrorCode::io, arguments[0], std::string("The program cannot be started: ") + std::strerror(error) + ".",
                 "Check that the program exists and may be executed.");
+  if (cancelled) return fail(ErrorCode::cancelled, arguments[0], "Stopped.", "Run the command again.");
   output.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return output;
 }

@@ -2,6 +2,7 @@
 // Runs a program without a shell.
 
 #include <chrono>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,15 @@ struct ProgramOutput {
   std::string out, err;    ///< text of stdout and stderr
 };
 
-/// Runs a program to its end and collects its output. Its stdin is empty. Kills the program after `limit`. Error: the program cannot be
-/// started. @param arguments the first one is the path of the program, or its name in PATH
-[[nodiscard]] Result<ProgramOutput> run_program(const std::vector<std::string>& arguments, std::chrono::seconds limit);
+/// Limits of a program.
+struct ProgramLimits {
+  std::chrono::seconds time;             ///< the program is killed after this time
+  std::string temporary_folder = {};     ///< folder for the temporary files of the program; empty: the same as for this program
+  std::function<bool()> cancelled = {};  ///< true: the program is killed; may be empty
+};
+
+/// Runs a program to its end and collects its output. Its stdin is empty. Errors: the program cannot be started; `cancelled`.
+/// @param arguments the first one is the path of the program, or its name in PATH
+[[nodiscard]] Result<ProgramOutput> run_program(const std::vector<std::string>& arguments, const ProgramLimits& limits);
 
 }  // namespace ugoki::plugin

@@ -76,6 +76,14 @@ Result<void> move_into_place(const std::string& from, const std::string& to) {
   return {};
 }
 
+/// Error `io` if the folder of a new file does not exist. SQLite resolves ".." in a path without looking at the folder before it.
+Result<void> check_folder(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  std::error_code error;
+  if (folder.empty() || std::filesystem::is_directory(folder, error)) return {};
+  return fail(ErrorCode::io, path, "The folder " + folder.string() + " does not exist.", "Create it first, or choose another folder.");
+}
+
 /// Writes a new project file without history. The file must not exist.
 Result<void> write_new(const std::string& path, const std::string& document, const std::string& saved, std::uint64_t next_id,
                        const content::Resources& resources) {
@@ -259,6 +267,7 @@ Result<Project> Project::create(const std::string& path, const content::Scenario
   const content::Catalogue catalogue = content::catalogue_of(resources);
   Error problems = content::check_scenario(document, &catalogue);
   if (!problems.empty()) return fail(std::move(problems));
+  if (Result<void> there = check_folder(path); !there) return fail(std::move(there.error()));
   Result<FileLock> lock = FileLock::take(path);
   if (!lock) return fail(std::move(lock.error()));
   std::error_code ignored;
@@ -314,6 +323,7 @@ Result<Project> Project::open_read_only(const std::string& path) {
 }
 
 const std::string& Project::path() const { return body_->file.path(); }
+const std::optional<Problem>& Project::warning() const { return body_->file.warning(); }
 const content::Scenario& Project::scenario() const { return body_->scenario; }
 const std::string& Project::document() const { return body_->document; }
 const content::Resources& Project::resources() const { return body_->resources; }
@@ -454,6 +464,7 @@ Result<void> Project::save_as(const std::string& path, bool overwrite) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   if (fs::equivalent(path, this->path(), ignored)) return save();
+  if (Result<void> there = check_folder(path); !there) return there;
   Result<FileLock> lock = FileLock::take(path);
   if (!lock) return fail(std::move(lock.error()));
   if (fs::exists(path, ignored) && !overwrite)
@@ -472,6 +483,8 @@ Result<void> Project::save_as(const std::string& path, bool overwrite) {
   if (made) made = move_into_place(unfinished, path);
   if (!made) {
     for (const char* suffix : {"", "-wal", "-shm"}) fs::remove(unfinished + suffix, ignored);
+    for (Problem& p : made.error().problems)
+      if (p.location == unfinished || p.location == this->path()) p.location = path;  // the open project is not at fault
     return made;
   }
   if (Result<void> done = lock->take_file(path); !done) return done;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -47,6 +48,9 @@ class Project {
   ~Project();
 
   [[nodiscard]] const std::string& path() const;
+  /// A warning for the user: the file could be opened, but its damaged log contains changes that could not be read. A project that is open
+  /// for editing has kept a copy of file and log; the warning names it.
+  [[nodiscard]] const std::optional<Problem>& warning() const;
   [[nodiscard]] const content::Scenario& scenario() const;
   /// The document's canonical JSON text.
   [[nodiscard]] const std::string& document() const;

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "ugoki/base/hash.h"
+#include "ugoki/store/log_damage.h"
 
 namespace ugoki::project {
 namespace {
@@ -115,11 +116,18 @@ Result<ProjectFile> ProjectFile::open(const std::string& path, bool read_only) {
   if (!std::filesystem::is_regular_file(path, ignored)) return fail(ErrorCode::io, path, "This is not a file.", "Name a *.ugoki file.");
   if (Result<void> good = store::check_log(std::filesystem::weakly_canonical(path, ignored).string()); !good)
     return fail(std::move(good.error()));
+  Result<std::optional<Problem>> warning = store::check_log_damage(std::filesystem::weakly_canonical(path, ignored).string(),
+                                                                   read_only ? store::DamagedLog::report : store::DamagedLog::keep_copy);
+  if (!warning) return fail(std::move(warning.error()));
   {
     Result<store::Database> look = store::Database::open(path, store::OpenMode::read_only);
     if (!look) return fail(std::move(look.error()));
     if (Result<void> good = check(*look); !good) return fail(std::move(good.error()));
-    if (read_only) return ProjectFile(std::move(*look));
+    if (read_only) {
+      ProjectFile file(std::move(*look));
+      file.warning_ = std::move(*warning);
+      return file;
+    }
   }
   Result<store::Database> database = store::Database::open(path, store::OpenMode::read_write);
   if (!database) return fail(std::move(database.error()));
@@ -128,6 +136,7 @@ Result<ProjectFile> ProjectFile::open(const std::string& path, bool read_only) {
     if (Result<void> done = database->run(sql); !done) return fail(std::move(done.error()));
   if (Result<void> done = store::ensure_stamp(*database); !done) return fail(std::move(done.error()));
   ProjectFile file(std::move(*database));
+  file.warning_ = std::move(*warning);
   if (Result<void> done = file.remember(); !done) return fail(std::move(done.error()));
   return file;
 }

@@ -79,6 +79,8 @@ class ProjectFile {
 
   [[nodiscard]] store::Database& database() { return database_; }
   [[nodiscard]] const std::string& path() const { return database_.path(); }
+  /// What could not be read although the file could be opened; see store::check_log_damage().
+  [[nodiscard]] const std::optional<Problem>& warning() const { return warning_; }
 
  private:
   /// Device and inode of a file; zeros if it does not exist.
@@ -94,6 +96,7 @@ class ProjectFile {
   Result<std::optional<store::StampRow>> stamp_in_file();
 
   store::Database database_;
+  std::optional<Problem> warning_;
   std::string real_path_;                 ///< path without symbolic links; SQLite's names of the -wal and -shm files begin with it
   std::array<Identity, 3> identities_{};  ///< identities of the project file, its -wal file and its -shm file
   std::int64_t page_size_ = 0, stamp_page_ = 0;

@@ -1,13 +1,16 @@
 #include "ugoki/store/copy.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <map>
 #include <set>
 
+#include "ugoki/base/number.h"
 #include "ugoki/json/json.h"
 #include "ugoki/store/copied_entry.h"
 #include "ugoki/store/library_body.h"
@@ -208,6 +211,8 @@ class Copy {
   CopyReport report_;
 };
 
+constexpr const char* part_mark = ".part-";  // between the name of an export and the id of the process that writes it
+
 /// Removes a temporary SQLite file, and its -wal, -shm and -journal files, at the end of the scope.
 struct Unfinished {
   std::string path;
@@ -216,6 +221,22 @@ struct Unfinished {
     for (const char* end : {"", "-wal", "-shm", "-journal"}) fs::remove(path + end, ignored);
   }
 };
+
+/// Removes what killed exports to `path` have left: PATH.part-PROCESS and its side files, where PROCESS no longer exists.
+void remove_abandoned_parts(const std::string& path) {
+  const fs::path target(path);
+  const std::string begin = target.filename().string() + part_mark;
+  std::error_code ec;
+  for (fs::directory_iterator i(target.has_parent_path() ? target.parent_path() : ".", ec), end; !ec && i != end; i.increment(ec)) {
+    const std::string name = i->path().filename().string();
+    if (!name.starts_with(begin)) continue;
+    const std::optional<long> process =
+        parse_long(std::string_view(name).substr(begin.size(), name.find('-', begin.size()) - begin.size()));
+    if (!process || *process <= 1 || ::kill(static_cast<pid_t>(*process), 0) == 0 || errno != ESRCH) continue;
+    std::error_code ignored;
+    fs::remove(i->path(), ignored);
+  }
+}
 
 /// Flushes a file, or the entries of a folder, to the disk. @param flags flags of open() @return false on failure
 bool sync(const std::string& path, int flags) {
@@ -267,7 +288,8 @@ Result<CopyReport> export_set(const Library& from, const std::vector<std::string
   std::error_code ignored;
   if (!folder.empty() && !fs::is_directory(folder, ignored))
     return fail(ErrorCode::io, path, "The folder " + folder + " does not exist.", "Create it first, or choose another folder.");
-  const Unfinished temporary{path + ".part-" + std::to_string(::getpid())};
+  remove_abandoned_parts(path);
+  const Unfinished temporary{path + part_mark + std::to_string(::getpid())};
   CopyReport report;
   {
     Result<Library> to = Library::open(temporary.path);

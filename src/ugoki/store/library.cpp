@@ -9,6 +9,7 @@
 #include "ugoki/base/hash.h"
 #include "ugoki/store/library_body.h"
 #include "ugoki/store/library_schema.h"
+#include "ugoki/store/log_damage.h"
 #include "ugoki/store/stamp.h"
 #include "ugoki/store/words.h"
 
@@ -46,6 +47,12 @@ Result<std::unique_ptr<LibraryBody>> body_on(std::unique_ptr<Connection> connect
 Result<void> check_log_of(const std::string& path) {
   std::error_code ignored;
   return check_log(fs::weakly_canonical(path, ignored).string());
+}
+
+/// A warning if the -wal file beside the library is damaged; see check_log_damage().
+Result<std::optional<Problem>> check_log_damage_of(const std::string& path, DamagedLog handling) {
+  std::error_code ignored;
+  return check_log_damage(fs::weakly_canonical(path, ignored).string(), handling);
 }
 
 /// Opens a file for writing after it was checked without writing: a file that is refused must not be changed.
@@ -87,6 +94,8 @@ Result<std::unique_ptr<LibraryBody>> open_file(const std::string& path) {
   std::error_code ignored;
   const fs::path file(path);
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), ignored);  // if this failed, Database::open() reports it
+  Result<std::optional<Problem>> warning = check_log_damage_of(path, DamagedLog::keep_copy);
+  if (!warning) return fail(std::move(warning.error()));
   Result<Database> database = open_for_writing(path, OpenMode::create);
   if (!database) return fail(std::move(database.error()));
   if (path == ":memory:") {
@@ -107,7 +116,9 @@ Result<std::unique_ptr<LibraryBody>> open_file(const std::string& path) {
   if (Result<void> done = ensure_stamp(*database); !done) return fail(std::move(done.error()));
   Result<std::unique_ptr<Connection>> connection = watched_sqlite_connection(std::move(*database), [path] { return reopen_file(path); });
   if (!connection) return fail(std::move(connection.error()));
-  return body_on(std::move(*connection));
+  Result<std::unique_ptr<LibraryBody>> body = body_on(std::move(*connection));
+  if (body) (*body)->warning = std::move(*warning);
+  return body;
 }
 
 Result<std::unique_ptr<LibraryBody>> open_file_read_only(const std::string& path) {
@@ -115,6 +126,8 @@ Result<std::unique_ptr<LibraryBody>> open_file_read_only(const std::string& path
   if (!fs::exists(path, ignored))
     return fail(ErrorCode::io, path, "The library does not exist.", "Check the path, or create the library with `ugoki import`.");
   if (Result<void> good = check_log_of(path); !good) return fail(std::move(good.error()));
+  Result<std::optional<Problem>> warning = check_log_damage_of(path, DamagedLog::report);
+  if (!warning) return fail(std::move(warning.error()));
   Result<Database> database = Database::open(path, OpenMode::read_only);
   if (!database) return fail(std::move(database.error()));
   if (Result<void> good = check_library(*database); !good) return fail(std::move(good.error()));
@@ -132,7 +145,9 @@ Result<std::unique_ptr<LibraryBody>> open_file_read_only(const std::string& path
   }
   for (const char* pragma : {"PRAGMA busy_timeout = 10000", "PRAGMA cache_size = -131072"})
     if (Result<void> done = database->run(pragma); !done) return fail(std::move(done.error()));
-  return body_on(sqlite_connection(std::move(*database)));
+  Result<std::unique_ptr<LibraryBody>> body = body_on(sqlite_connection(std::move(*database)));
+  if (body) (*body)->warning = std::move(*warning);
+  return body;
 }
 
 Result<std::unique_ptr<LibraryBody>> open_server(const std::string& address, bool read_only) {
@@ -223,6 +238,7 @@ void Library::set_author(std::string author) {
   if (std::string clean = clean_text(author); !clean.empty()) body_->author = std::move(clean);
 }
 const std::string& Library::author() const { return body_->author; }
+const std::optional<Problem>& Library::warning() const { return body_->warning; }
 const std::string& Library::path() const { return body_->location(); }
 Result<bool> Library::changed_elsewhere() { return body_->connection->changed_elsewhere(); }
 

@@ -144,6 +144,10 @@ class Library {
   /// Path of the file, or address of the server without the password.
   [[nodiscard]] const std::string& path() const;
 
+  /// A warning for the user: the file could be opened, but its damaged log contains changes that could not be read. A library that is open
+  /// for writing has kept a copy of file and log; the warning names it.
+  [[nodiscard]] const std::optional<Problem>& warning() const;
+
   /// True if another connection, of this or another program, changed the library since the previous call, or may have changed it. The first
   /// call begins to observe the changes and returns false. Reconnects to a server if the connection was lost. Takes a few microseconds.
   [[nodiscard]] Result<bool> changed_elsewhere();

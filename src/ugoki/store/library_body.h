@@ -10,6 +10,7 @@ namespace ugoki::store {
 struct LibraryBody {
   std::unique_ptr<Connection> connection;
   std::string author;
+  std::optional<Problem> warning;  ///< see Library::warning()
   /// Maximum number of matches of the search index that find() sorts; see library_search.cpp. Tests set a small value.
   std::size_t sort_limit = max_counted;
 

@@ -28,6 +28,16 @@ Result<void> check_name(const LibraryBody& body, std::string_view id, const std:
               "Give the entry a shorter name.");
 }
 
+/// Checks a new tag, which trimmed() returned. Entries of older libraries may have longer tags, and keep them.
+Result<void> check_tag(const std::string& location, const std::string& tag) {
+  constexpr std::size_t max_bytes = 200;  // far above any tag that fits into the list of tags
+  if (tag.size() <= max_bytes) return {};
+  return fail(ErrorCode::range, location,
+              "The tag '" + clean_text(tag.substr(0, 40)) + "...' has " + std::to_string(tag.size()) + " bytes; at most " +
+                  std::to_string(max_bytes) + " are allowed.",
+              "Give a shorter tag.");
+}
+
 /// On PostgreSQL: locks the entry's row until the end of the transaction. SQLite allows only one writer, so no lock is needed.
 Result<void> lock(const LibraryBody& body, std::int64_t no) {
   if (!body.connection->dialect().postgres) return {};
@@ -91,7 +101,10 @@ Result<std::string> put_item(const LibraryBody& body, const LibraryItem& item, c
   if (Result<void> good = check_item(body, entry.id, entry.newest.name, item.summary); !good) return fail(std::move(good.error()));
   if (Result<void> good = check_name(body, entry.id, entry.newest.name); !good) return fail(std::move(good.error()));
   for (const std::string& tag : item.tags)
-    if (std::string clean = trimmed(tag); !clean.empty()) entry.tags.push_back(std::move(clean));
+    if (std::string clean = trimmed(tag); !clean.empty()) {
+      if (Result<void> good = check_tag(body.location(entry.id), clean); !good) return fail(std::move(good.error()));
+      entry.tags.push_back(std::move(clean));
+    }
   std::ranges::sort(entry.tags);
   entry.tags.erase(std::ranges::unique(entry.tags).begin(), entry.tags.end());
   if (Result<void> done = put_blob(connection, entry.newest.data, item.data); !done) return fail(std::move(done.error()));
@@ -221,6 +234,7 @@ Result<void> Library::set_tags(std::string_view id, std::span<const std::string>
       for (const std::string& tag : adding ? add : remove) {
         const std::string clean = trimmed(tag);
         if (clean.empty()) return fail(ErrorCode::structure, path(), "A tag cannot be empty.", "Give a tag of at least one character.");
+        if (Result<void> good = check_tag(path(), clean); adding && !good) return good;
         if (adding) {
           if (Result<void> done = insert_tag(*body_->connection, entry->no, clean); !done) return done;
         } else if (const Result<Rows> gone = body_->connection->query("DELETE FROM tag WHERE entry = ?1 AND tag = ?2", {entry->no, clean});

@@ -12,31 +12,12 @@
 #include <thread>
 #include <vector>
 
+#include "ugoki/store/log_format.h"
+
 namespace ugoki::store {
 namespace {
 
 constexpr std::string_view mark = "ugoki stamp";  // makes the row recognisable in a page
-
-/// Reads the big-endian u32 at the byte offset `at`.
-std::uint32_t big32(std::span<const std::byte> bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<std::uint32_t>(bytes[at + i]);
-  return value;
-}
-
-/// Checksum of the write-ahead log, https://www.sqlite.org/fileformat2.html#checksum_algorithm
-struct LogChecksum {
-  bool big_endian = false;
-  std::uint32_t s0 = 0, s1 = 0;
-  void add(std::span<const std::byte> bytes) {
-    for (std::size_t i = 0; i + 8 <= bytes.size(); i += 8) {
-      std::uint32_t a = big32(bytes, i), b = big32(bytes, i + 4);
-      if (!big_endian) a = __builtin_bswap32(a), b = __builtin_bswap32(b);
-      s0 += a + s1;
-      s1 += b + s0;
-    }
-  }
-};
 
 /// Reads the page `number`, counted from 1, of a database file. The result is shorter than a page at the end of the file.
 std::vector<std::byte> read_page(std::ifstream& file, std::uint64_t number, std::uint32_t size) {
@@ -68,37 +49,19 @@ Result<std::optional<StampRow>> stamp_in_file(const std::string& path, const Log
 
 }  // namespace
 
-// Source: https://www.sqlite.org/fileformat2.html#the_write_ahead_log
 LogStamps read_log(const std::string& path) {
   LogStamps out;
   std::ifstream file(path, std::ios::binary);
-  const auto read = [&](std::span<std::byte> bytes) {
-    file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    return file.gcount() == static_cast<std::streamsize>(bytes.size());
-  };
-  std::array<std::byte, 32> header{};
-  if (!read(header)) return out;
-  const std::span<const std::byte> head(header);
-  const std::uint32_t magic = big32(head, 0), page_size = big32(head, 8);
-  if ((magic & ~1u) != 0x377f0682u || page_size < 512 || page_size > 65536) return out;
-  LogChecksum sum{.big_endian = (magic & 1u) != 0};
-  sum.add(head.first(24));
-  if (sum.s0 != big32(head, 24) || sum.s1 != big32(head, 28)) return out;
-  out.page_size = page_size;
-  std::array<std::byte, 24> frame{};
-  std::vector<std::byte> page(page_size);
+  std::optional<LogReader> log = LogReader::begin(file);
+  if (!log) return out;
+  out.page_size = log->page_size();
   std::vector<StampRow> uncommitted;
-  while (read(frame) && read(page)) {
-    const std::span<const std::byte> f(frame);
-    if (!std::equal(f.begin() + 8, f.begin() + 16, head.begin() + 16)) break;  // log frame left over from before SQLite began the log again
-    sum.add(f.first(8));
-    sum.add(page);
-    if (sum.s0 != big32(f, 16) || sum.s1 != big32(f, 20)) break;
-    if (const std::optional<StampRow> row = stamp_on_page(page)) {
+  while (const std::optional<LogFrame> frame = log->next()) {
+    if (const std::optional<StampRow> row = stamp_on_page(log->page())) {
       uncommitted.push_back(*row);
-      if (std::ranges::find(out.pages, big32(f, 0)) == out.pages.end()) out.pages.push_back(big32(f, 0));
+      if (std::ranges::find(out.pages, frame->page_number) == out.pages.end()) out.pages.push_back(frame->page_number);
     }
-    if (big32(f, 4) == 0) continue;  // this log frame is not the last one of its transaction
+    if (!frame->ends_transaction) continue;
     out.has_transactions = true;
     out.rows.insert(out.rows.end(), uncommitted.begin(), uncommitted.end());
     uncommitted.clear();

@@ -84,6 +84,7 @@ Result<store::Library*> LibraryService::library() {
     Result<store::Library> opened = store::Library::open(location_);
     away_ = !opened;
     if (!opened) return fail(std::move(opened.error()));
+    warning_ = opened->warning();
     library_.emplace(std::move(*opened));
   }
   return &*library_;

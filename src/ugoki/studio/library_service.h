@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "ugoki/base/result.h"
@@ -30,6 +31,8 @@ class LibraryService {
 
   /// The library, which is opened at the first call.
   [[nodiscard]] Result<store::Library*> library();
+  /// The warning of a library that was opened since the last call; see store::Library::warning().
+  [[nodiscard]] std::optional<Problem> take_warning() { return std::exchange(warning_, std::nullopt); }
   /// Result of poll().
   struct Poll {
     bool responds = true;  ///< false: the library cannot be opened or read
@@ -60,6 +63,7 @@ class LibraryService {
 
   std::string location_;
   std::optional<store::Library> library_;
+  std::optional<Problem> warning_;
   bool wanted_ = false;                                         ///< true: the library has been requested by a call of library()
   bool away_ = false;                                           ///< true: the last poll() or opening failed
   std::map<std::string, formats::Asf, std::less<>> skeletons_;  ///< received ASF files, by file name in lower case

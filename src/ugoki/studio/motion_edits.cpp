@@ -404,7 +404,8 @@ class Operation {
     std::vector<MaskEntry> entries;
     f_.number("weight", o.weight);
     f_.number("fade", o.fade);
-    double delay = 0;  // start of the second motion, s after the clip's beginning
+    constexpr double max_delay = 86400;  // s: the maximum duration of a scenario
+    double delay = 0;                    // start of the second motion, s after the clip's beginning
     f_.number("at", delay);
     if (const Json* list = f_.list("joints", 10'000, "links"))
       for (const Json& v : *list) {
@@ -421,8 +422,9 @@ class Operation {
         }
       }
     if (!(o.fade >= 0 && o.fade <= 60)) f_.report(ErrorCode::range, f_.path("fade"), "It must be from 0 to 60 s.", "0.2 is usual.");
-    if (!(delay >= 0))
-      f_.report(ErrorCode::range, f_.path("at"), "It must be at least 0 s after the clip's beginning.", "0 is the clip's beginning.");
+    if (!(delay >= 0 && delay <= max_delay))
+      f_.report(ErrorCode::range, f_.path("at"), "It must be from 0 to " + to_text(max_delay) + " s after the clip's beginning.",
+                "0 is the clip's beginning.");
     if (Result<void> valid = check_options(); !valid) return valid;
     o.offset += delay * e_.target.clip.speed;
     const Result<Motion> other = other_on_this_body();

@@ -65,6 +65,10 @@ Error read_problems(const Json& reply) {
   return out;
 }
 
+std::string warning_event(const Problem& warning) {
+  return text_of({{"event", "log"}, {"level", "warning"}, {"text", warning.text()}, {"notice", true}});
+}
+
 }  // namespace
 
 Session::Session(SessionOptions options, project::Project project, Outbox& outbox, std::function<void(std::function<void()>)> post)
@@ -133,6 +137,8 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
     }
     reply(request.client, request.reply_to, fields);
     answered = false;
+    for (const std::optional<Problem>* warning : {&project_.warning(), &std::as_const(library_warning_)})
+      if (*warning) outbox_.send(request.client, warning_event(**warning));
     if (!summary_.empty()) outbox_.send(request.client, summary_);
     send_to_interpreter(R"({"op":"measures"})", {}, {});  // the measures so far, for the new page
     if (frame) outbox_.send_frame(request.client, frame);
@@ -565,6 +571,11 @@ std::vector<ProjectEntry> Session::project_entries() const {
     entries.push_back(std::move(entry));
   }
   return entries;
+}
+
+void Session::warn_about_library(const Problem& warning) {
+  library_warning_ = warning;
+  outbox_.broadcast(warning_event(warning));
 }
 
 void Session::log(std::string_view level, std::string_view text) {

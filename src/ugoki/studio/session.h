@@ -69,6 +69,8 @@ class Session {
   void on_time();
   /// Notifies all pages that the library's entries changed (event `library`).
   void announce_library();
+  /// Shows the warning of the library (Library::warning()) on all pages, also on those that connect later.
+  void warn_about_library(const Problem& warning);
 
   [[nodiscard]] MechanismPtr find_mechanism(std::string_view id) const;
   [[nodiscard]] std::vector<ProjectEntry> project_entries() const;
@@ -176,9 +178,10 @@ class Session {
   int ping_ = 0;                                 ///< request id of a ping without answer; 0: none
   std::chrono::steady_clock::time_point ping_time_;
 
-  std::string transport_;  ///< last `transport` event
-  std::string summary_;    ///< last `summary` event
-  bool simulate_ = false;  ///< true: simulate mode; false: edit mode
+  std::string transport_;                   ///< last `transport` event
+  std::optional<Problem> library_warning_;  ///< see warn_about_library()
+  std::string summary_;                     ///< last `summary` event
+  bool simulate_ = false;                   ///< true: simulate mode; false: edit mode
   double speed_ = 1;
   bool loop_ = false;             ///< true: playing repeats the range
   content::ScenarioRange range_;  ///< range that the interpreter has

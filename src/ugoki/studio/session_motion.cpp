@@ -178,8 +178,12 @@ Result<std::string> Session::cancel_motion(const Request& request) {
 }
 
 void Session::cancel_motions() {
-  for (const auto& [name, task] : motion_tasks_) task->cancelled = true;
-  motion_tasks_.clear();
+  for (const auto& [name, task] : std::exchange(motion_tasks_, {})) {
+    task->cancelled = true;
+    reply(task->client, task->reply_to,
+          fail(ErrorCode::conflict, task->edit.operation, "The project was closed while the operation was running.",
+               "Repeat this in the project that is open now."));
+  }
 }
 
 void Session::finish_motion(MotionTask& task) {

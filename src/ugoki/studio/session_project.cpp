@@ -25,6 +25,13 @@ fs::path named_path(const std::string& name, const std::string& open_project) {
   return path.is_relative() ? fs::path(open_project).parent_path() / path : path;
 }
 
+/// Error `range` if the path of a new project ends with no name, or with one that begins with a dot: a hidden file.
+Result<void> check_name(const fs::path& path) {
+  const std::string name = path.filename().string();
+  if (!name.empty() && name.front() != '.') return {};
+  return fail(ErrorCode::range, "path", "'" + name + "' cannot be the name of a project.", "Give a name that does not begin with a dot.");
+}
+
 /// The first of NAME.ugoki, NAME-2.ugoki, NAME-3.ugoki, ... that does not exist.
 fs::path free_path(const fs::path& wanted) {
   std::error_code ignored;
@@ -78,6 +85,7 @@ Result<std::string> Session::save(const Request& request) {
   } else {
     if (!request.has_path("path")) return Request::invalid_field("path", "the path of a file");
     const fs::path to = named_path(path->get<std::string>(), project_.path());
+    if (Result<void> good = check_name(to); !good) return fail(std::move(good.error()));
     saved = project_.save_as(to.string(), overwrite != request.json.end() && overwrite->is_boolean() && overwrite->get<bool>());
   }
   if (!saved) return fail(std::move(saved.error()));
@@ -94,6 +102,7 @@ Result<std::string> Session::new_project(const Request& request) {
   Result<content::ContentText> made = make_content(*from);
   if (!made) return fail(std::move(made.error()));
   const fs::path to = free_path(named_path(request.json["path"].get<std::string>(), project_.path()));
+  if (Result<void> good = check_name(to); !good) return fail(std::move(good.error()));
   if (*from == "empty") made->scenario.name = to.stem().string();
   Result<project::Project> created = project::Project::create(to.string(), made->scenario, made->resources);
   if (!created) return fail(std::move(created.error()));

@@ -144,14 +144,21 @@ class Studio::Impl final : public ServerEvents {
 
   /// Runs `work`, which the session requested, on the library's thread.
   void use_library(LibraryWork work) {
-    library_queue_->post([this, work] { return work(library_.library()); }, [work](const Error& error) { (void)work(fail(error)); });
+    library_queue_->post(
+        [this, work] {
+          const bool done = work(library_.library());
+          pass_warning();
+          return done;
+        },
+        [work](const Error& error) { (void)work(fail(error)); });
   }
   /// Runs `work`, which uses the library, on the library's thread, and answers with its result. Status 503: the library does not respond.
   void answer_on_library(std::function<void(ApiReply)> answer, std::function<ApiReply()> work) {
     library_queue_->post(
-        [answer, work] {
+        [this, answer, work] {
           const auto begun = std::chrono::steady_clock::now();
           ApiReply reply = work();
+          pass_warning();
           const bool failed = reply.status >= 500;
           if (failed && std::chrono::steady_clock::now() - begun >= LibraryQueue::min_silence) reply.status = 503;
           answer(std::move(reply));
@@ -162,6 +169,11 @@ class Studio::Impl final : public ServerEvents {
           reply.status = 503;
           answer(std::move(reply));
         });
+  }
+  /// Passes the library's warning, if it is new, to the pages. To be called on the library's thread.
+  void pass_warning() {
+    if (std::optional<Problem> warning = library_.take_warning())
+      session_queue_->post([this, w = std::move(*warning)] { session_->warn_about_library(w); });
   }
   /// Notifies the pages that the library changed. Thread-safe.
   void announce() {
@@ -237,6 +249,10 @@ bool Studio::Impl::on_import(ApiRequest& request, std::function<void(ApiReply)>&
   for (const auto* number : {&unit, &rate}) {
     if (*number) continue;
     answer(refused(number->error()));
+    return true;
+  }
+  if (const std::string travel = text("travel"); !travel.empty() && travel != "0" && travel != "1") {
+    answer(refused(Error(ErrorCode::range, "travel", "'" + travel.substr(0, 40) + "' is neither 0 nor 1.", "Give 1 to add the travel.")));
     return true;
   }
   const ImportSettings settings{unit->value_or(0), text("up"),        text("forward"), rate->value_or(0),

@@ -159,7 +159,7 @@ export type ServiceEvent =
   | ({ event: 'measures' } & MeasuresEvent)
   /** Another project was opened in place of the open one. */
   | { event: 'opened' }
-  | ({ event: 'log' } & LogLine)
+  | ({ event: 'log'; notice?: boolean } & LogLine)
   | { event: 'library' }
   | ({ event: 'lsis' } & LsisEvent)
   | { event: 'devices' }

@@ -425,6 +425,9 @@ export class Session {
     this.set({ toasts: this.state.toasts.filter((t) => t.id !== id) });
   }
 
+  /** Notices that were shown as toasts: the service repeats them when the page connects again. */
+  private readonly noticed = new Set<string>();
+
   log(level: 'info' | 'warning' | 'error', text: string): void {
     const line = { id: this.next_id++, at: new Date(), level, text };
     this.set({ log: [...this.state.log.slice(-log_capacity + 1), line] });
@@ -579,6 +582,10 @@ export class Session {
         break;
       case 'log':
         this.log(event.level, event.text);
+        if (event.notice && !this.noticed.has(event.text)) {
+          this.noticed.add(event.text);
+          this.toast(event.level === 'info' ? 'info' : 'error', [{ message: event.text }]);
+        }
         break;
       case 'stopped':
         this.set({ stopped: event.reason, stop_problems: event.problems ?? [] });

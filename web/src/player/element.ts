@@ -9,7 +9,11 @@ import type { Vec3 } from '../core/protocol';
 import type { Engine, RecordedInput, Scene } from './engine';
 import { Gestures, type GestureHost, type Tool } from './gestures';
 import css from './player.css?inline';
+import { in_range, vector } from './ranges';
 import { SceneView } from './scene_view';
+
+const max_push = 1e5; // N, as in the studio
+const max_distance = 1e4; // m
 
 /** Opens the engine of a page. @param src address of the content; null: the content inside the page */
 export type OpenEngine = (src: string | null) => Promise<Engine>;
@@ -147,7 +151,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
 
   /** Runs `count` steps at once, without waiting for real time. @return steps done */
   async step(count: number): Promise<number> {
-    const done = (await this.opened?.engine.step(count)) ?? 0;
+    const done = (await this.opened?.engine.step(in_range('count', count, 0, 1e9))) ?? 0;
     this.check_end();
     this.invalidate();
     return done;
@@ -156,15 +160,15 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
   /** Pushes a link. @param character id or index; link: name or index; force: N, world; duration: s */
   push(character: string | number, link: string | number, force: Vec3, duration = 0.2): void {
     const [c, l] = this.find(character, link);
-    this.opened?.engine.push(c, l, force, duration);
+    this.opened?.engine.push(c, l, vector('force', force, max_push), in_range('duration', duration, 0.0001, 10));
   }
   /** Begins to pull a point of a link towards a target. @param point m, in the frame of the link; target: m, world */
   grab(character: string | number, link: string | number, point: Vec3, target: Vec3): void {
     const [c, l] = this.find(character, link);
-    this.opened?.engine.grab(c, l, point, target);
+    this.opened?.engine.grab(c, l, vector('point', point, max_distance), vector('target', target, max_distance));
   }
   drag(target: Vec3): void {
-    this.opened?.engine.drag(target);
+    this.opened?.engine.drag(vector('target', target, max_distance));
   }
   release(): void {
     this.opened?.engine.release();
@@ -198,8 +202,8 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
   look(azimuth: number, elevation: number, distance?: number): void {
     const rig = this.opened?.view.rig;
     if (!rig) return;
-    rig.look_from(azimuth, elevation);
-    if (distance !== undefined) rig.set({ distance }, false);
+    rig.look_from(in_range('azimuth', azimuth, -100, 100), in_range('elevation', elevation, -100, 100));
+    if (distance !== undefined) rig.set({ distance: in_range('distance', distance, 0.01, 1e4) }, false);
     this.invalidate();
   }
   /** Centre of mass [m], root assist [body weights] and state of each character. */

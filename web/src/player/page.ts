@@ -1,5 +1,6 @@
 /** The page of a player. It finds the engine and the content, and answers messages of a page that shows this page in a frame. */
 import type { Engine } from './engine';
+import { in_range } from './ranges';
 import { set_engine_source, UgokiPlayer } from './element';
 import { from_base85, inline_data } from './payload';
 import { draw_pictures } from './pictures';
@@ -57,7 +58,7 @@ const commands: Record<string, (player: UgokiPlayer, arguments_: unknown[]) => u
   follow: (p, [character]) => p.follow(character as never),
   look: (p, a) => p.look(...(a as Parameters<UgokiPlayer['look']>)),
   frame_all: (p) => p.frame_all(),
-  speed: (p, [value]) => (p.speed = Number(value)),
+  speed: (p, [value]) => (p.speed = in_range('speed', value, 0.05, 4)),
   state: (p) => ({ time: p.time, steps: p.steps, duration: p.duration, paused: p.paused, ended: p.ended, characters: p.characters }),
 };
 
@@ -65,7 +66,7 @@ if (window.parent !== window) {
   addEventListener('message', (event: MessageEvent<{ ugoki?: string; id?: unknown; arguments?: unknown[] }>) => {
     if (event.source !== window.parent || typeof event.data?.ugoki !== 'string') return;
     const player = document.querySelector<UgokiPlayer>('ugoki-player');
-    const command = commands[event.data.ugoki];
+    const command = Object.hasOwn(commands, event.data.ugoki) ? commands[event.data.ugoki] : undefined;
     const answer = (fields: object): void => window.parent.postMessage({ ugoki: 'done', id: event.data.id, ...fields }, '*');
     if (!player || !command) return answer({ error: `'${event.data.ugoki}' is not a command.` });
     void (async () => command(player, event.data.arguments ?? []))().then(
