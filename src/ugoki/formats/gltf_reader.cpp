@@ -6,6 +6,7 @@
 #include "ugoki/formats/file_axes.h"
 #include "ugoki/formats/gltf_document.h"
 #include "ugoki/formats/text.h"
+#include "ugoki/spatial/elementary.h"
 
 namespace ugoki::formats {
 namespace {
@@ -206,7 +207,7 @@ class Reader {
       const double with = bind_scale(skin, mesh_transform), without = bind_scale(skin, {});
       constexpr double same = 0.2;  // bones of bind pose and scene differ by a few percent where the animation stretches them
       if (std::fabs(with) > same)
-        transform = std::fabs(without) <= same ? Affine{} : Affine{mesh_transform.A * std::exp(-with), mesh_transform.p};
+        transform = std::fabs(without) <= same ? Affine{} : Affine{mesh_transform.A * ugoki::exp(-with), mesh_transform.p};
       for (std::size_t j = 0; j < skin.joints.size(); ++j)
         if (const std::optional<Affine> bind = bind_pose(skin, j, transform)) rest_[static_cast<std::size_t>(skin.joints[j])] = *bind;
     }
@@ -236,7 +237,8 @@ class Reader {
       const auto a = bind_pose(skin, j, transform), b = bind_pose(skin, static_cast<std::size_t>(slot[up]), transform);
       if (!a || !b) continue;
       const double in_bind = norm(a->p - b->p), in_scene = norm(globals_[node].p - globals_[up].p);
-      if (in_bind > 0 && in_scene > 0 && std::isfinite(in_bind) && std::isfinite(in_scene)) ratios.push_back(std::log(in_bind / in_scene));
+      if (in_bind > 0 && in_scene > 0 && std::isfinite(in_bind) && std::isfinite(in_scene))
+        ratios.push_back(ugoki::log(in_bind / in_scene));
     }
     if (ratios.empty()) return 0;
     const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
