@@ -113,6 +113,44 @@ TEST(Gltf, TurningNodesOutsideAPartialSkinAreJoints) {
   EXPECT_EQ(names(channel(1) + "," + channel(2)), "head ");
 }
 
+TEST(Gltf, BonesOfTheBindPoseHaveTheirLengthsInTheScene) {
+  // An arm under a node with scale 0.01: shoulder 100 units up, elbow 30 units further. The skin's matrices are those of the scene, of the
+  // node's own space, or of a space with another scale.
+  const auto file = [](float up, float bone, float scale) {
+    const std::vector<float> numbers = {0,     1, 0, 0, 0, 1,     0, 0, 0, 1,  // two keys of a rotation
+                                        scale, 0, 0, 0, 0, scale, 0, 0, 0, 0, scale, 0, 0, -up * scale,          0, 1,
+                                        scale, 0, 0, 0, 0, scale, 0, 0, 0, 0, scale, 0, 0, -(up + bone) * scale, 0, 1};
+    return R"({"asset": {"version": "2.0"}, "nodes": [
+      {"name": "armature", "scale": [0.01, 0.01, 0.01], "children": [1, 3]}, {"name": "shoulder", "translation": [0, 100, 0], "children": [2]},
+      {"name": "elbow", "translation": [0, 30, 0]}, {"name": "mesh", "skin": 0}],
+      "skins": [{"joints": [1, 2], "inverseBindMatrices": 2}],
+      "animations": [{"channels": [{"sampler": 0, "target": {"path": "rotation", "node": 2}}], "samplers": [{"input": 0, "output": 1}]}],
+      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 2, "type": "SCALAR"},
+        {"bufferView": 0, "byteOffset": 8, "componentType": 5126, "count": 2, "type": "VEC4"},
+        {"bufferView": 0, "byteOffset": 40, "componentType": 5126, "count": 2, "type": "MAT4"}],
+      "bufferViews": [{"buffer": 0, "byteLength": 168}],
+      "buffers": [{"byteLength": 168, "uri": "data:application/octet-stream;base64,)" +
+           base64(numbers) + R"("}]})";
+  };
+  for (const std::string& text : {file(1, 0.3F, 100), file(100, 30, 1), file(1000, 300, 0.1F)}) {
+    const auto m = read(text);
+    ASSERT_TRUE(m.has_value()) << text_of(m.error());
+    ASSERT_EQ((*m)[0].joint_count(), 2);
+    expect_near((*m)[0].skeleton.joints[1].offset, {0, 0, 0.3}, 1e-6, "elbow at rest");
+    expect_near(hand_at((*m)[0], 0), {0, 0, 1.3}, 1e-6, "elbow in the motion");
+    EXPECT_FALSE((*m)[0].skeleton.joints[1].translates);
+  }
+}
+
+TEST(Gltf, DataCompressedWithMeshoptAreNamed) {
+  std::string text = arm("STEP", "translation", {0, 2, 0, 0, 4, 0, 1, 4, 0});
+  const std::string view = R"("bufferViews": [{)";
+  text.insert(text.find(view) + view.size(), R"("extensions": {"EXT_meshopt_compression": {"buffer": 0}}, )");
+  const auto m = read(text);
+  ASSERT_FALSE(m.has_value());
+  EXPECT_NE(m.error().text().find("EXT_meshopt_compression"), std::string::npos) << m.error().text();
+}
+
 TEST(Gltf, RotationsFollowTheShortestArc) {
   const float h = 0.70710678f;
   const auto m = read(arm("LINEAR", "rotation", {0, 0, 0, 1, 0, 0, -h, -h, 0, 0, 0, 1}), {.rate = 2});

@@ -130,9 +130,14 @@ class Parser {
                     "Export the file as glTF 2.0.");
     if (const Json* required = member(root_, "extensionsRequired"); required != nullptr && required->is_array())
       for (const Json& e : *required)
-        if (e.is_string() && (e == "EXT_meshopt_compression" || e == "KHR_draco_mesh_compression"))
+        if (e.is_string() && (e == "KHR_draco_mesh_compression"))
           notes_.remarks.push_back("The extension " + in_quotes(e.get_ref<const std::string&>()) +
                                    " is not supported; meshes are skipped.");
+    // Unlike Draco, which compresses meshes only, meshopt compresses animations and skins too.
+    for (const Json& view : list("bufferViews"))
+      if (const Json* extensions = member(view, "extensions"); extensions != nullptr && member(*extensions, "EXT_meshopt_compression"))
+        return refuse(ErrorCode::unsupported, "bufferViews", "The data are compressed with EXT_meshopt_compression, which is not read.",
+                      "Convert the file without compression, for example with gltf-transform copy.");
     return true;
   }
 

@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "ugoki/base/number.h"
 #include "ugoki/formats/file_axes.h"
 #include "ugoki/formats/gltf_document.h"
 #include "ugoki/formats/text.h"
+#include "ugoki/spatial/elementary.h"
 
 namespace ugoki::formats {
 namespace {
@@ -190,8 +192,10 @@ class Reader {
     }
   }
 
-  /// Sets the rest pose of the skins' joints to their bind pose: the world transform of the skinned mesh times the inverse of the joint's
-  /// matrix in GltfSkin::inverse_binds.
+  /// Sets the rest pose of the skins' joints to their bind pose: a transform of the skin times the inverse of the joint's matrix in
+  /// GltfSkin::inverse_binds. The transform is that of the node with the skinned mesh. Some exporters write the matrices in the space of
+  /// the scene; then the bones have their lengths without this transform. If neither gives the lengths of the bones, the bind pose is
+  /// scaled.
   void apply_bind_poses() {
     for (std::size_t s = 0; s < doc_.skins.size(); ++s) {
       const GltfSkin& skin = doc_.skins[s];
@@ -199,15 +203,47 @@ class Reader {
           std::find_if(doc_.nodes.begin(), doc_.nodes.end(), [&](const GltfNode& n) { return n.skin == static_cast<int>(s); });
       if (mesh == doc_.nodes.end() || skin.inverse_binds.empty()) continue;
       const Affine mesh_transform = globals_[static_cast<std::size_t>(mesh - doc_.nodes.begin())];
-      for (std::size_t j = 0; j < skin.joints.size(); ++j) {
-        const Affine& inv = skin.inverse_binds[j];
-        const double determinant = dot(inv.A.column(0), cross(inv.A.column(1), inv.A.column(2)));
-        if (!(std::fabs(determinant) > 1e-12)) continue;  // not invertible: keep the node's transform
-        const Mat3 A = inverse(inv.A);
-        const Affine bind = mesh_transform * Affine{A, -(A * inv.p)};
-        if (is_finite(bind.p)) rest_[static_cast<std::size_t>(skin.joints[j])] = bind;
-      }
+      Affine transform = mesh_transform;
+      const double with = bind_scale(skin, mesh_transform), without = bind_scale(skin, {});
+      constexpr double same = 0.2;  // bones of bind pose and scene differ by a few percent where the animation stretches them
+      if (std::fabs(with) > same)
+        transform = std::fabs(without) <= same ? Affine{} : Affine{mesh_transform.A * ugoki::exp(-with), mesh_transform.p};
+      for (std::size_t j = 0; j < skin.joints.size(); ++j)
+        if (const std::optional<Affine> bind = bind_pose(skin, j, transform)) rest_[static_cast<std::size_t>(skin.joints[j])] = *bind;
     }
+  }
+
+  /// Bind pose of joint j of a skin; std::nullopt if its matrix is not invertible.
+  static std::optional<Affine> bind_pose(const GltfSkin& skin, std::size_t j, const Affine& transform) {
+    const Affine& inv = skin.inverse_binds[j];
+    const double determinant = dot(inv.A.column(0), cross(inv.A.column(1), inv.A.column(2)));
+    if (!(std::fabs(determinant) > 1e-12)) return std::nullopt;
+    const Mat3 A = inverse(inv.A);
+    const Affine bind = transform * Affine{A, -(A * inv.p)};
+    if (!is_finite(bind.p)) return std::nullopt;
+    return bind;
+  }
+
+  /// Median logarithm of the ratio of a bone's length in the bind pose to its length in the scene. 0 if the skin has no bones.
+  [[nodiscard]] double bind_scale(const GltfSkin& skin, const Affine& transform) const {
+    std::vector<int> slot(doc_.nodes.size(), -1);
+    for (std::size_t j = 0; j < skin.joints.size(); ++j) slot[static_cast<std::size_t>(skin.joints[j])] = static_cast<int>(j);
+    std::vector<double> ratios;
+    for (std::size_t j = 0; j < skin.joints.size(); ++j) {
+      const auto node = static_cast<std::size_t>(skin.joints[j]);
+      const int parent = doc_.nodes[node].parent;
+      if (parent < 0 || slot[static_cast<std::size_t>(parent)] < 0) continue;
+      const auto up = static_cast<std::size_t>(parent);
+      const auto a = bind_pose(skin, j, transform), b = bind_pose(skin, static_cast<std::size_t>(slot[up]), transform);
+      if (!a || !b) continue;
+      const double in_bind = norm(a->p - b->p), in_scene = norm(globals_[node].p - globals_[up].p);
+      if (in_bind > 0 && in_scene > 0 && std::isfinite(in_bind) && std::isfinite(in_scene))
+        ratios.push_back(ugoki::log(in_bind / in_scene));
+    }
+    if (ratios.empty()) return 0;
+    const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+    std::nth_element(ratios.begin(), middle, ratios.end());
+    return *middle;
   }
 
   /// Returns the frames per second that match the most closely spaced keys. @param first, last [out] s, time range of all keys

@@ -30,8 +30,15 @@ namespace ugoki::intake {
 [[nodiscard]] std::optional<Vec3> up_by_posture(const body::Character& character);
 
 /// Unit of length, m per present metre, that gives a human character a usual height. @param trusted the unit is given by the file
+/// If no usual unit does, the unit gives a height of 1.7 m.
 /// @return nothing if the height is plausible
 [[nodiscard]] std::optional<double> unit_by_height(const body::Character& character, double metres_per_unit, bool trusted);
+/// Unit of length [m per file unit] of a four-legged animal, if another one than `metres_per_unit` is more plausible. The trunk between
+/// hips and shoulders of such animals is 0.06 m (rat) to 1.6 m (cattle) long, and no part of the ground pulls: the trunk falls no faster
+/// than with g. Without a trusted unit, the first of cm, m, mm, inch that gives such a trunk is chosen.
+/// @param trusted the file states its unit
+[[nodiscard]] std::optional<double> unit_of_animal(const body::Character& character, std::span<const MeasuredMotion> motions,
+                                                   double metres_per_unit, bool trusted);
 
 /// Attaches joints that shift relative to their parent to the ancestor with which they move rigidly. (In 3ds Max Biped, thighs are children
 /// of the spine and collar bones of the neck, although they move with pelvis and chest.) World poses do not change.

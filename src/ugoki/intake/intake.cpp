@@ -178,14 +178,16 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
     notes.remarks.push_back("Up is assumed to be the file's axis " + name_of(out.axes.up) +
                             ", along which trunk and legs of the character point; set the axes if it is wrong.");
   }
-  if (const std::optional<double> unit = unit_by_height(character, out.metres_per_unit, !notes.unit_guessed);
-      unit && options.unit == 0 && options.height == 0) {
-    const double factor = *unit / out.metres_per_unit;
+  const bool animal = character.plan == body::BodyPlan::four_legs;
+  const std::optional<double> unit = animal ? unit_of_animal(character, motions, out.metres_per_unit, !notes.unit_guessed)
+                                            : unit_by_height(character, out.metres_per_unit, !notes.unit_guessed);
+  if (unit && options.unit == 0 && options.height == 0) {
+    const double factor = *unit / out.metres_per_unit, length = animal ? character.trunk_length : character.leg_length;
     std::erase_if(notes.remarks, [](const std::string& r) { return r.starts_with("Lengths are assumed to be in "); });
     notes.remarks.push_back(
-        "The unit of length is assumed to be " + to_text(*unit) + " m, with which the legs of the character are " +
-        to_fixed(character.leg_length * factor, 3) + " m long" +
-        (notes.unit_guessed ? "" : "; with the unit that the file states they would be " + to_fixed(character.leg_length, 3) + " m") +
+        "The unit of length is assumed to be " + to_text(*unit) + " m, with which the " +
+        (animal ? "trunk of the animal is " : "legs of the character are ") + to_fixed(length * factor, 3) + " m long" +
+        (notes.unit_guessed ? "" : "; with the unit that the file states the length would be " + to_fixed(length, 3) + " m") +
         ". Set the unit if it is wrong.");
     for (MeasuredMotion& m : motions) scale(m, factor);
     out.metres_per_unit = notes.metres_per_unit = *unit;
