@@ -203,8 +203,8 @@ Result<void> apply_variations(content::Scenario& s, const content::Resources& re
     }
   }
   if (push == 0) return {};
-  const auto target =
-      std::ranges::find_if(s.characters, [](const content::ScenarioCharacter& c) { return c.control.mode == content::ControlMode::track; });
+  const auto target = std::ranges::find_if(
+      s.characters, [](const content::ScenarioCharacter& c) { return c.control.mode != content::ControlMode::passive; });
   if (target == s.characters.end())
     return fail(ErrorCode::structure, "--vary push", "The content has no character that follows a track.", "Vary another quantity.");
   if (content::find_link(*resources.mechanisms.at(target->mechanism), link) < 0)

@@ -78,8 +78,10 @@ lsi::World make_world(const Executable& content) {
     spec.id = c.id;
     spec.mechanism = content.mechanisms[static_cast<std::size_t>(c.mechanism)];
     spec.q0 = c.q0;
-    if (c.control.mode == ControlMode::track)
+    if (c.control.mode != ControlMode::passive)
       for (const ExecutableClip& clip : c.track) spec.track.push_back({clip.clip, content.motions[static_cast<std::size_t>(clip.motion)]});
+    spec.as_recorded = c.control.mode == ControlMode::path || c.control.mode == ControlMode::torque;
+    if (c.control.mode == ControlMode::torque && !spec.track.empty()) spec.torques = spec.track.front().motion;
     for (const ExecutableClip& clip : c.moves) spec.moves.push_back({clip.clip, content.motions[static_cast<std::size_t>(clip.motion)]});
     characters.push_back(std::move(spec));
   }

@@ -113,6 +113,7 @@ class Checker {
       else
         mechanism = &it->second;
     }
+    if (c.control.mode == ControlMode::torque) check_torque_track(c, location);
     for (std::size_t i = 0; i < c.track.size(); ++i) {
       const std::string clip_location = location + "/track/" + std::to_string(i);
       check_clip(c.track[i], mechanism, clip_location);
@@ -120,6 +121,30 @@ class Checker {
         problems_.add(ErrorCode::structure, clip_location + "/start",
                       "Clips '" + c.track[i - 1].id + "' and '" + c.track[i].id + "' start at the same time.", "Move one of them.");
     }
+  }
+
+  /// Checks the track of a character in the mode `torque`: one clip, which plays a torque-oriented motion as it is.
+  void check_torque_track(const ScenarioCharacter& c, const std::string& location) {
+    if (c.track.size() != 1 || c.track[0].start != 0 || c.track[0].offset != 0 || c.track[0].speed != 1 || c.track[0].loop) {
+      problems_.add(ErrorCode::structure, location + "/track",
+                    "Character '" + c.id +
+                        "' has the control mode \"torque\", but its track is not one clip that starts at 0 s with "
+                        "offset 0 and speed 1 and does not loop.",
+                    "Torques continue from one first state: keep one such clip, or choose another control mode.");
+      return;
+    }
+    if (!catalogue_) return;
+    const auto it = catalogue_->motions.find(c.track[0].motion);
+    if (it == catalogue_->motions.end()) return;
+    const double step = it->second.torque_step;
+    if (step == 0)
+      problems_.add(ErrorCode::structure, location + "/track/0/motion", "Motion '" + it->second.name + "' has no torques.",
+                    "Convert it with `ugoki motion torques`, or choose another control mode.");
+    else if (std::fabs(step - s_.step) > 1e-9)
+      problems_.add(ErrorCode::structure, root_ + "/step",
+                    "The torques of motion '" + it->second.name + "' are for steps of " + ugoki::to_text(step) +
+                        " s; the scenario has steps of " + ugoki::to_text(s_.step) + " s.",
+                    "Set the step of the scenario to " + ugoki::to_text(step) + ", or convert the motion to torques again.");
   }
 
   void check_clip(const ScenarioClip& clip, const MechanismFacts* mechanism, const std::string& location) {

@@ -29,7 +29,13 @@ struct ScenarioClip {
   friend bool operator==(const ScenarioClip&, const ScenarioClip&) = default;
 };
 
-enum class ControlMode { track, passive };
+/// How a character is driven.
+///   track    motion control follows the track within the laws of balance
+///   passive  no drives
+///   path     motion control with high gains and as much root assist as needed keeps the character on its track
+///   torque   the torques of the track's torque-oriented motion, from its first state
+enum class ControlMode { track, passive, path, torque };
+[[nodiscard]] std::string_view name_of(ControlMode mode);
 
 struct ScenarioControl {
   ControlMode mode = ControlMode::track;
@@ -143,6 +149,7 @@ struct MotionFacts {
   double duration = 0;  ///< s
   int nq = 0;           ///< count of position coordinates
   bool cyclic = false;
+  double torque_step = 0;  ///< s: simulation step of the motion's torques; 0: the motion has no torques
 };
 /// The mechanisms and motions to which a document can refer.
 struct Catalogue {

@@ -27,6 +27,16 @@ void read_camera(Fields& f, ScenarioCamera& out) {
 
 }  // namespace
 
+std::string_view name_of(ControlMode mode) {
+  switch (mode) {
+    case ControlMode::track: return "track";
+    case ControlMode::passive: return "passive";
+    case ControlMode::path: return "path";
+    case ControlMode::torque: return "torque";
+  }
+  return "track";
+}
+
 void read_clip(Fields& f, ScenarioClip& out) {
   f.text("id", out.id);
   f.text("motion", out.motion);
@@ -46,14 +56,17 @@ void read_place(Fields& f, ScenarioPlace& out) {
 }
 
 void read_control(Fields& f, ScenarioControl& out) {
-  std::string mode = out.mode == ControlMode::track ? "track" : "passive", beyond = "release";
+  std::string mode(name_of(out.mode)), beyond = "release";
   f.text("mode", mode);
-  if (mode == "track")
-    out.mode = ControlMode::track;
-  else if (mode == "passive")
-    out.mode = ControlMode::passive;
-  else
-    f.report(ErrorCode::unknown, f.path("mode"), "There is no control mode '" + mode + "'.", "Use \"track\" or \"passive\".");
+  bool known = false;
+  for (const ControlMode m : {ControlMode::track, ControlMode::passive, ControlMode::path, ControlMode::torque}) {
+    if (mode != name_of(m)) continue;
+    out.mode = m;
+    known = true;
+  }
+  if (!known)
+    f.report(ErrorCode::unknown, f.path("mode"), "There is no control mode '" + mode + "'.",
+             "Use \"track\", \"passive\", \"path\" or \"torque\".");
   f.number("tracking", out.tracking);
   f.number("balance", out.balance);
   f.number("assist_limit", out.assist_limit);
@@ -160,7 +173,7 @@ Json to_json(const ScenarioCharacter& c) {
                {"color", c.color},
                {"place", {{"x", c.place.x}, {"y", c.place.y}, {"z", c.place.z}, {"heading", c.place.heading}}},
                {"control",
-                {{"mode", c.control.mode == ControlMode::track ? "track" : "passive"},
+                {{"mode", name_of(c.control.mode)},
                  {"tracking", c.control.tracking},
                  {"balance", c.control.balance},
                  {"assist_limit", c.control.assist_limit},
