@@ -151,7 +151,8 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
   frames_.resize(3 * contacts.size());
   for_each_system([&](std::size_t s) {
     std::ranges::copy(systems[s].v, scratch_[s].v.begin());
-    scratch_[s].is_inertial = scratch_[s].inertial && scratch_[s].inertial->turn(systems[s].v, dt) > InertialMotion::threshold;
+    scratch_[s].is_inertial =
+        scratch_[s].inertial && !scratch_[s].gripped && scratch_[s].inertial->turn(systems[s].v, dt) > InertialMotion::threshold;
     dynamics::update_kinematics(*mechanisms_[s], systems[s].q, scratch_[s].v, workspaces_[s]);
   });
   find_impacts(systems, contacts, dt, report);
@@ -171,6 +172,8 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
     }
     if (report.status != StepStatus::ok) break;
     for (std::size_t i = 0; i < contacts.size(); ++i) add_contact(static_cast<int>(i), contacts[i], dt, i >= forced);
+    if (!grips_.empty()) predict_grips(systems, dt);
+    for (const Grip& g : grips_) add_grip(g, dt);
     const std::size_t before = solver_.blocks().size();
     for (std::size_t s = 0; s < systems.size(); ++s) add_joint_rows(s, dt);
     report.limits = static_cast<int>(solver_.blocks().size() - before);
@@ -180,7 +183,7 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
     // one is not: with a second solution the energy of a falling cassie_v2 rises by its weight times 2 m (FallingRobots tests).
     solve = false;
     for (SystemScratch& x : scratch_)
-      if (x.inertial && !x.loops && !x.is_inertial && x.inertial->turn(x.free_v, dt) > InertialMotion::threshold)
+      if (x.inertial && !x.loops && !x.gripped && !x.is_inertial && x.inertial->turn(x.free_v, dt) > InertialMotion::threshold)
         solve = x.is_inertial = true;
   }
   if (report.status != StepStatus::ok) {
@@ -237,6 +240,7 @@ StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collis
     forces_[static_cast<std::size_t>(b.contact)] += impulse / dt;
   }
   warm_.make_index();
+  if (!grips_.empty()) take_grip_forces(dt);
   for_each_system([&](std::size_t s) {
     std::ranges::copy(scratch_[s].free_v, systems[s].v.begin());
     integrate_system(s, systems[s], dt);

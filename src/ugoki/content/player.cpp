@@ -95,6 +95,16 @@ lsi::World make_world(const Executable& content) {
     if (e.type == EventType::push) {
       event.record.kind = EventKind::push;
       event.record.a = e.force;
+    } else if (e.type == EventType::release) {
+      event.record.kind = EventKind::opening;
+    } else if (e.type == EventType::grab) {
+      event.record.kind = EventKind::gripping;
+      event.record.a = e.grip.point;
+      event.record.b = e.grip.at;
+      const std::uint32_t flags = (e.grip.rigid ? lsi::grip_rigid : 0U) | (e.grip.has_at ? lsi::grip_has_target : 0U);
+      event.record.c = {static_cast<double>(e.other), static_cast<double>(e.other_link), static_cast<double>(flags)};
+      event.record.spare[0] = e.grip.limit;
+      event.record.spare[1] = e.grip.reach;
     } else {
       event.record.kind = EventKind::throwing;
       event.record.a = e.from;

@@ -37,6 +37,16 @@ std::string_view name_of(ControlMode mode) {
   return "track";
 }
 
+std::string_view name_of(EventType type) {
+  switch (type) {
+    case EventType::push: return "push";
+    case EventType::throw_: return "throw";
+    case EventType::grab: return "grab";
+    case EventType::release: return "release";
+  }
+  return "push";
+}
+
 void read_clip(Fields& f, ScenarioClip& out) {
   f.text("id", out.id);
   f.text("motion", out.motion);
@@ -87,22 +97,48 @@ void read_character(Fields& f, ScenarioCharacter& out) {
   read_object(f, "control", [&](Fields& g) { read_control(g, out.control); });
 }
 
+namespace {
+
+void read_grip(Fields& f, ScenarioGrip& out) {
+  f.vec3("point", out.point);
+  f.text("other", out.other);
+  f.text("other_link", out.other_link);
+  if (const Json* at = f.find("at"); at && at->is_null()) {
+    out.has_at = false;
+    out.at = {};
+  } else if (at) {
+    out.has_at = true;
+    f.vec3("at", out.at);
+  }
+  f.boolean("rigid", out.rigid);
+  f.number("limit", out.limit);
+  f.number("reach", out.reach);
+}
+
+}  // namespace
+
 void read_event(Fields& f, ScenarioEvent& out) {
-  std::string type = out.type == EventType::push ? "push" : "throw";
+  std::string type(name_of(out.type));
   f.text("id", out.id);
   f.text("type", type);
-  if (type == "push")
-    out.type = EventType::push;
-  else if (type == "throw")
-    out.type = EventType::throw_;
-  else
-    f.report(ErrorCode::unsupported, f.path("type"), "There is no event of type '" + type + "'.", "Use \"push\" or \"throw\".");
+  bool known = false;
+  for (const EventType t : {EventType::push, EventType::throw_, EventType::grab, EventType::release}) {
+    if (type != name_of(t)) continue;
+    out.type = t;
+    known = true;
+  }
+  if (!known)
+    f.report(ErrorCode::unsupported, f.path("type"), "There is no event of type '" + type + "'.",
+             "Use \"push\", \"throw\", \"grab\" or \"release\".");
   f.number("time", out.time);
   f.text("character", out.character);
   if (out.type == EventType::push) {
     f.number("duration", out.duration);
     f.text("link", out.link);
     f.vec3("force", out.force);
+  } else if (out.type == EventType::grab || out.type == EventType::release) {
+    f.text("link", out.link);
+    if (out.type == EventType::grab) read_grip(f, out.grip);
   } else {
     f.vec3("from", out.from);
     f.vec3("velocity", out.velocity);
@@ -186,12 +222,23 @@ Json to_json(const ScenarioCharacter& c) {
 }
 
 Json to_json(const ScenarioEvent& e) {
-  Json json = {{"id", e.id}, {"type", e.type == EventType::push ? "push" : "throw"}, {"time", e.time}};
+  Json json = {{"id", e.id}, {"type", name_of(e.type)}, {"time", e.time}};
   if (e.type == EventType::push) {
     json["duration"] = e.duration;
     json["character"] = e.character;
     json["link"] = e.link;
     json["force"] = to_json(e.force);
+  } else if (e.type == EventType::grab || e.type == EventType::release) {
+    json["character"] = e.character;
+    json["link"] = e.link;
+    if (e.type == EventType::release) return json;
+    json["point"] = to_json(e.grip.point);
+    json["other"] = e.grip.other;
+    json["other_link"] = e.grip.other_link;
+    json["at"] = e.grip.has_at ? to_json(e.grip.at) : Json(nullptr);
+    json["rigid"] = e.grip.rigid;
+    json["limit"] = e.grip.limit;
+    json["reach"] = e.grip.reach;
   } else {
     json["character"] = e.character;
     json["from"] = to_json(e.from);

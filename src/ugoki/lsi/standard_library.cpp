@@ -18,6 +18,7 @@ const circuit::Library& standard_library() {
     add_control(all);
     add_balance(all);
     add_motion_torques(all);
+    add_grip(all);
     add_collision(all);
     add_dynamics(all);
     add_status(all);
