@@ -66,6 +66,8 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
     SystemScratch& x = scratch_.emplace_back(m);
     for (std::vector<double>* array : {&x.v, &x.extra, &x.free_v, &x.unforced, &x.mean, &x.displacement}) array->resize(n);
     x.zeros.assign(n, 0.0);
+    x.next_q.resize(static_cast<std::size_t>(m.nq()));
+    x.next_X.resize(static_cast<std::size_t>(m.link_count()));
     x.free_motion.resize(n);
     for (int i = 0; i < m.link_count(); ++i) {
       const Joint& joint = m.link(i).joint;
@@ -91,6 +93,9 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
   impact_impulses_.reserve(2 * room);
   forces_.reserve(2 * room);
   frames_.reserve(6 * room);
+  constexpr std::size_t usual_grips = 32;
+  grips_.reserve(usual_grips);
+  grip_forces_.reserve(usual_grips);
   warm_.reserve(room);
 }
 

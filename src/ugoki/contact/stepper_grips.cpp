@@ -35,8 +35,6 @@ void Stepper::predict_grips(std::span<const StepSystem> systems, double dt) {
   for (std::size_t s = 0; s < scratch_.size(); ++s) {
     SystemScratch& x = scratch_[s];
     if (!x.gripped) continue;
-    x.next_q.resize(systems[s].q.size());
-    x.next_X.resize(static_cast<std::size_t>(mechanisms_[s]->link_count()));
     integrate(*mechanisms_[s], systems[s].q, x.v, dt, x.next_q);
     calc_poses(*mechanisms_[s], x.next_q, x.next_X);
   }
