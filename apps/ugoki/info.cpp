@@ -69,11 +69,8 @@ Json anatomy_json(const body::AnatomyMapping& anatomy) {
 Json scenario_json(const content::Scenario& s) {
   Json characters = Json::array();
   for (const content::ScenarioCharacter& c : s.characters)
-    characters.push_back({{"id", c.id},
-                          {"name", c.name},
-                          {"mechanism", c.mechanism},
-                          {"mode", c.control.mode == content::ControlMode::track ? "track" : "passive"},
-                          {"clips", c.track.size()}});
+    characters.push_back(
+        {{"id", c.id}, {"name", c.name}, {"mechanism", c.mechanism}, {"mode", name_of(c.control.mode)}, {"clips", c.track.size()}});
   return {{"name", s.name},
           {"duration_s", s.duration},
           {"frame_rate", s.frame_rate},

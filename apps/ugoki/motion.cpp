@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "motion_files.h"
+#include "motion_torques.h"
 #include "output.h"
 #include "output_files.h"
 #include "ugoki/base/number.h"
@@ -530,6 +531,7 @@ void add_motion_verb(CLI::App& app, Action& action) {
   add_reduce(*verb, action);
   add_scale(*verb, action);
   add_simple(*verb, action);
+  add_torque_operations(*verb, action);
   add_trim(*verb, action);
   add_warp(*verb, action);
   verb->footer("Example:\n  ugoki motion blend walk.bvh run.bvh --at 50 -o jog.bvh\n  ugoki motion lock jump.bvh -o still-feet.bvh");

@@ -42,7 +42,7 @@ struct Content {
 Result<void> apply_options(content::Scenario& s, const content::Resources& resources, const Options& options) {
   if (options.rate_given) s.step = 1 / options.rate;
   const auto target = std::find_if(s.characters.begin(), s.characters.end(),
-                                   [](const content::ScenarioCharacter& c) { return c.control.mode == content::ControlMode::track; });
+                                   [](const content::ScenarioCharacter& c) { return c.control.mode != content::ControlMode::passive; });
   if (options.assist_limit >= 0)
     for (content::ScenarioCharacter& c : s.characters) c.control.assist_limit = options.assist_limit;
   if (options.push == 0) return {};

@@ -127,7 +127,7 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
     report.characters.push_back({c.id,
                                  c.name,
                                  content.mechanisms[static_cast<std::size_t>(c.mechanism)]->mass(),
-                                 c.control.mode == content::ControlMode::track && !c.track.empty(),
+                                 c.control.mode != content::ControlMode::passive && !c.track.empty(),
                                  player->measures(static_cast<int>(i)),
                                  {}});
     for (const Link& link : content.mechanisms[static_cast<std::size_t>(c.mechanism)]->links())

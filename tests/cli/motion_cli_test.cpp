@@ -50,6 +50,20 @@ TEST_F(MotionCliTest, TrimReverseMirrorResample) {
   misunderstands({"motion", "trim", walk_, "--from", "-1"});
 }
 
+TEST_F(MotionCliTest, TorquesAndAngles) {
+  const Json torques = json({"motion", "torques", walk_, "--own-control", "--assist-limit", "0", "-o", path("torques.ugoki")});
+  EXPECT_TRUE(torques["replays_bit_for_bit"].get<bool>());
+  EXPECT_EQ(torques["characters"][0]["root_force_max_bw"], 0);
+  const Json once = json({"run", path("torques.ugoki")}), again = json({"run", path("torques.ugoki")});
+  EXPECT_EQ(once["state_hash"], again["state_hash"]);
+  const Json angles = json({"motion", "angles", path("torques.ugoki"), "-o", path("angles.ugoki")});
+  EXPECT_LT(angles["characters"][0]["deviation_max_deg"], 1e-9);
+  fails({"motion", "torques", path("missing.bvh"), "-o", path("x.ugoki")}, "missing.bvh");
+  fails({"motion", "angles", path("angles.ugoki"), "-o", path("x.ugoki")}, "torque");
+  fails({"motion", "torques", walk_, "-o", path("torques.ugoki")}, "torques.ugoki");
+  misunderstands({"motion", "torques", walk_});
+}
+
 TEST_F(MotionCliTest, ScaleWarpPathReduce) {
   EXPECT_NEAR(json({"motion", "scale", walk_, "--time", "2"})["duration_s"].get<double>(), 2 * (frames_ - 1) / rate_, 2 / rate_);
   const double travel = json({"motion", "scale", walk_})["way_m"];

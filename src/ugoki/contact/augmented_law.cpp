@@ -73,6 +73,7 @@ void augmented_impulse(const RowBlock& b, const AugmentedLaw& law, const double*
       G[0] = p[0] > 0 ? 1 / R : 0;
       return;
     }
+    case RowKind::grip: return project_to_ball(law.hat, u, 0, 3, law.regularization * std::max({b.B[0], b.B[1], b.B[2]}), HUGE_VAL, p, G);
     case RowKind::friction: return project_to_ball(law.hat, u, 0, 1, law.regularization * b.B[0], b.bound, p, G);
     case RowKind::roll:
       return project_to_ball(law.hat, u, 0, 3, law.regularization * std::max({b.B[0], b.B[1], b.B[2]}), b.mu * law.normal, p, G);

@@ -88,6 +88,10 @@ void next_impulse(const RowBlock& b, const double* u, const double* p, double no
       solve_contact(b, c, next);
       break;
     }
+    case RowKind::grip:
+      multiply(b.inverse, u, next);
+      for (int r = 0; r < 3; ++r) next[r] = p[r] - next[r];
+      break;
     case RowKind::limit: next[0] = std::max(0.0, p[0] - u[0] / b.B[0]); break;
     case RowKind::friction: next[0] = std::clamp(p[0] - u[0] / b.B[0], -b.bound, b.bound); break;
     case RowKind::roll: {

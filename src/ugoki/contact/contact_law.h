@@ -5,6 +5,7 @@
 //   contact (n, t1, t2):  u_n + s p_n >= 0,  p_n >= 0,  p_n (u_n + s p_n) = 0;  |p_t| <= mu (p_n + impact_impulse), opposed to u_t
 //   limit:                u >= 0,  p >= 0,  p u = 0
 //   friction:             |p| <= bound, opposed to u
+//   grip (3 rows):        u = 0, any p
 //   roll (3 rows):        |p| <= mu (p_n + impact_impulse) of its contact, opposed to u; mu is the lever of rolling resistance [m]
 // Sources: Moreau (1988), Unilateral contact and dry friction in finite DOF dynamics; Hwangbo, Lee, Hutter (2018), Per-contact
 // iteration method for solving contact dynamics.

@@ -141,7 +141,8 @@ void DenseIsland::project(const IslandRows& island) {
         break;
       case RowKind::limit: p[0] = std::max(0.0, p[0]); break;
       case RowKind::friction: p[0] = std::clamp(p[0], -b.bound, b.bound); break;
-      case RowKind::roll: break;
+      case RowKind::roll:
+      case RowKind::grip: break;
     }
   }
 }

@@ -107,6 +107,9 @@ void DenseIsland::collect_unknowns(const IslandRows& island) {
         fixed[0] = 0;
         if (p[0] - u[0] / (augmentation_ * b.B[0]) > 0) add_plain(local_[i], limit_regularization * b.B[0]);
         break;
+      case RowKind::grip:
+        for (int r = 0; r < 3; ++r) add_plain(local_[i] + r, limit_regularization * b.size * b.size);
+        break;
       case RowKind::friction: {
         const double x = p[0] - u[0] / (augmentation_ * b.B[0]);
         fixed[0] = std::clamp(x, -b.bound, b.bound);
@@ -157,6 +160,9 @@ double DenseIsland::residual(const IslandRows& island) {
         add(metric, p[0] - std::max(0.0, x), x <= 0);
         break;
       }
+      case RowKind::grip:
+        for (int r = 0; r < 3; ++r) add(1, u[r], false);
+        break;
       case RowKind::friction: {
         const double x = p[0] - u[0] / metric;
         add(metric, p[0] - std::clamp(x, -b.bound, b.bound), std::fabs(x) > b.bound);

@@ -105,6 +105,7 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
   depth_ = 0;
   bool added = false;
   for (collision::ContactPoint& c : found_) {
+    if (stepper_->is_gripped(c)) continue;
     // An overlap that has existed since the beginning of the step is pushed out at the recovery speed, not within this step.
     double before = 0, along = -1;
     bool known = false;

@@ -6,7 +6,7 @@
 namespace ugoki::contact {
 
 /// Kinds of row blocks; contact_law.h states the law of each.
-enum class RowKind : unsigned char { contact, limit, friction, roll };
+enum class RowKind : unsigned char { contact, limit, friction, roll, grip };
 
 /// One entry of up to three rows side by side; unused lanes are zero. Lanes do not affect each other, so any register width gives the same
 /// bits.
@@ -25,7 +25,7 @@ struct RowSegment {
 /// Rows that are solved together: one contact, limit, friction or rolling resistance.
 struct RowBlock {
   RowKind kind;
-  int rows;               ///< 3 for contact and roll, 1 for the others
+  int rows;               ///< 3 for contact, roll and grip, 1 for the others
   int row;                ///< index of the block's first row in the solver's targets and impulses
   int first_segment;      ///< index of the first segment
   int segments;           ///< number of segments, 1 or 2: one for each movable side of the block
@@ -38,7 +38,7 @@ struct RowBlock {
   double impact_impulse;  ///< N s: normal impulse that the impact has already given to the contact
   std::uint64_t key;      ///< identifies the block from step to step, for warm starts
   double B[6];            ///< inverse inertia Y Y^T, entries 00 11 22 01 02 12; entry 00 of a contact includes the compliance
-  double inverse[6];      ///< inverse of B, same entries (contact, roll)
+  double inverse[6];      ///< inverse of B, same entries (blocks of 3 rows)
   double size;            ///< square root of the maximum diagonal entry of B
   double lever;           ///< roll: radius [m] that converts angular velocity to surface velocity; other kinds: 1
   double solved_motion;   ///< sum of VelocitySolver::motion_ over the block's systems when the block was last solved

@@ -66,6 +66,8 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
     SystemScratch& x = scratch_.emplace_back(m);
     for (std::vector<double>* array : {&x.v, &x.extra, &x.free_v, &x.unforced, &x.mean, &x.displacement}) array->resize(n);
     x.zeros.assign(n, 0.0);
+    x.next_q.resize(static_cast<std::size_t>(m.nq()));
+    x.next_X.resize(static_cast<std::size_t>(m.link_count()));
     x.free_motion.resize(n);
     for (int i = 0; i < m.link_count(); ++i) {
       const Joint& joint = m.link(i).joint;
@@ -91,6 +93,9 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
   impact_impulses_.reserve(2 * room);
   forces_.reserve(2 * room);
   frames_.reserve(6 * room);
+  constexpr std::size_t usual_grips = 32;
+  grips_.reserve(usual_grips);
+  grip_forces_.reserve(usual_grips);
   warm_.reserve(room);
 }
 
@@ -151,7 +156,8 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
   frames_.resize(3 * contacts.size());
   for_each_system([&](std::size_t s) {
     std::ranges::copy(systems[s].v, scratch_[s].v.begin());
-    scratch_[s].is_inertial = scratch_[s].inertial && scratch_[s].inertial->turn(systems[s].v, dt) > InertialMotion::threshold;
+    scratch_[s].is_inertial =
+        scratch_[s].inertial && !scratch_[s].gripped && scratch_[s].inertial->turn(systems[s].v, dt) > InertialMotion::threshold;
     dynamics::update_kinematics(*mechanisms_[s], systems[s].q, scratch_[s].v, workspaces_[s]);
   });
   find_impacts(systems, contacts, dt, report);
@@ -171,6 +177,8 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
     }
     if (report.status != StepStatus::ok) break;
     for (std::size_t i = 0; i < contacts.size(); ++i) add_contact(static_cast<int>(i), contacts[i], dt, i >= forced);
+    if (!grips_.empty()) predict_grips(systems, dt);
+    for (const Grip& g : grips_) add_grip(g, dt);
     const std::size_t before = solver_.blocks().size();
     for (std::size_t s = 0; s < systems.size(); ++s) add_joint_rows(s, dt);
     report.limits = static_cast<int>(solver_.blocks().size() - before);
@@ -180,7 +188,7 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
     // one is not: with a second solution the energy of a falling cassie_v2 rises by its weight times 2 m (FallingRobots tests).
     solve = false;
     for (SystemScratch& x : scratch_)
-      if (x.inertial && !x.loops && !x.is_inertial && x.inertial->turn(x.free_v, dt) > InertialMotion::threshold)
+      if (x.inertial && !x.loops && !x.gripped && !x.is_inertial && x.inertial->turn(x.free_v, dt) > InertialMotion::threshold)
         solve = x.is_inertial = true;
   }
   if (report.status != StepStatus::ok) {
@@ -237,6 +245,7 @@ StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collis
     forces_[static_cast<std::size_t>(b.contact)] += impulse / dt;
   }
   warm_.make_index();
+  if (!grips_.empty()) take_grip_forces(dt);
   for_each_system([&](std::size_t s) {
     std::ranges::copy(scratch_[s].free_v, systems[s].v.begin());
     integrate_system(s, systems[s], dt);

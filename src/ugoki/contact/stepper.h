@@ -12,6 +12,7 @@
 //      joint limits:  p >= 0, opposed to the velocity into the limit
 //      dry friction:  |p| <= dt * friction
 //      loops:         u = -gap / dt, p unbounded (closed link systems)
+//      grips:         gap after the step = 0, p unbounded (grip.h)
 //
 // `target` of a gap is -distance / dt: a contact is predicted one step ahead. `target` of a penetration is a bounded recovery speed.
 // The solver needs whitened rows y = D^-1/2 L^-T J^T, where M' = L^T D L (this D is a diagonal matrix, not the dampers). A row has entries
@@ -29,6 +30,7 @@
 
 #include "ugoki/collision/contact_point.h"
 #include "ugoki/contact/collision_impulse.h"
+#include "ugoki/contact/grip.h"
 #include "ugoki/contact/inertial_motion.h"
 #include "ugoki/contact/velocity_solver.h"
 #include "ugoki/contact/warm_start.h"
@@ -129,6 +131,13 @@ class Stepper {
   /// Whether the last call of repeat() may have changed the result of a system. Meaningful only after repeat().
   [[nodiscard]] bool has_changed(int system) const { return solver_.is_solved(system); }
 
+  /// Sets the grips of all following steps. Contacts between the two links of a grip get no rows.
+  void set_grips(std::span<const Grip> grips);
+  /// [grips] N m, N, world axes: moment and force of the last step on link a of each grip, at the gripping point.
+  [[nodiscard]] std::span<const Vec6> grip_forces() const { return grip_forces_; }
+  /// True if the contact is between the two links of a grip.
+  [[nodiscard]] bool is_gripped(const collision::ContactPoint& contact) const;
+
   /// Limits the work of Newton's method in the velocity solver; see VelocitySolver::limit_newton().
   void limit_newton(double operations) { solver_.limit_newton(operations); }
 
@@ -169,6 +178,9 @@ class Stepper {
   double* add_side(std::size_t s, int last);
   const Vec6& free_velocity(std::size_t s, int last);
   void add_impulses();
+  void predict_grips(std::span<const StepSystem> systems, double dt);
+  void add_grip(const Grip& grip, double dt);
+  void take_grip_forces(double dt);
   void solve_loops(std::size_t s, const StepSystem& system, double dt);
   double make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y, double& terms);
   void close_loops(std::size_t s, StepSystem& system);
@@ -196,6 +208,9 @@ class Stepper {
     bool springs = false;                      // true: at least one joint has a spring
     bool is_inertial = false;                  // true: this step ends with `inertial`, which adds the velocity-dependent forces
     std::unique_ptr<InertialMotion> inertial;  // null: a single link or DOF
+    bool gripped = false;                      // true: a grip acts on the system; it then moves without `inertial`
+    std::vector<double> next_q;                // [nq] gripped: position after motion at the velocities before the step
+    std::vector<Pose> next_X;                  // [links] gripped: poses at next_q
     struct Loops {
       explicit Loops(const Mechanism& m);
       dynamics::ClosedLinks links;
@@ -221,6 +236,8 @@ class Stepper {
   CollisionImpulse impact_;
   std::vector<LinkSystem> impact_systems_;
   std::vector<double> impact_impulses_;  // [contacts] N s: normal impulse of the impact phase
+  std::vector<Grip> grips_;
+  std::vector<Vec6> grip_forces_;  // [grips] see grip_forces()
   WarmStart warm_;
   StepReport first_report_;  // report of the last step() before its solver ran; repeat() continues from it
   std::vector<Vec3> forces_;

@@ -52,6 +52,7 @@ const Vec6& Stepper::free_velocity(std::size_t s, int last) {
 }
 
 void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt, bool forced) {
+  if (is_gripped(c)) return;
   const double gap = c.distance, impact_impulse = impact_impulses_[static_cast<std::size_t>(index)];
   const Vec3 n = c.n;
   double before = 0, whip = 0;

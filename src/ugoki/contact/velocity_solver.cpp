@@ -62,7 +62,7 @@ RowBlock& VelocitySolver::begin_block(RowKind kind, std::uint64_t key) {
   RowBlock& b = blocks_.emplace_back();
   b = {};
   b.kind = kind;
-  b.rows = kind == RowKind::contact || kind == RowKind::roll ? 3 : 1;
+  b.rows = kind == RowKind::limit || kind == RowKind::friction ? 1 : 3;
   b.row = static_cast<int>(target_.size());
   b.first_segment = static_cast<int>(segments_.size());
   b.contact = -1;

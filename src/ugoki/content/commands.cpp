@@ -244,7 +244,7 @@ class Work {
     if (!c) return {};
     const std::string id = c->id;
     std::erase_if(document().characters, [&](const ScenarioCharacter& x) { return x.id == id; });
-    std::erase_if(document().events, [&](const ScenarioEvent& e) { return e.character == id; });
+    std::erase_if(document().events, [&](const ScenarioEvent& e) { return e.character == id || e.grip.other == id; });
     remove_rules_of(document(), id);
     if (document().camera.follow == id) document().camera.follow.clear();
     return "Remove character";
@@ -255,7 +255,7 @@ class Work {
     ScenarioEvent event;
     if (const Json* object = f.find("event")) {
       Fields g(*object, f.path("event"), problems_);
-      g.require("type", "\"push\" or \"throw\"");
+      g.require("type", "\"push\", \"throw\", \"grab\" or \"release\"");
       g.require("time", "the time in seconds at which it happens");
       g.require("character", "a character's id");
       read_event(g, event);
@@ -263,9 +263,9 @@ class Work {
     }
     if (!problems_.empty()) return {};
     assign_id(event.id, 'e');
-    const bool push = event.type == EventType::push;
+    const std::string label = "Add " + std::string(name_of(event.type));
     document().events.push_back(std::move(event));
-    return push ? "Add push" : "Add throw";
+    return label;
   }
 
   std::string event_set(Fields& f) {

@@ -194,9 +194,16 @@ class Reader {
       while (s.characters[static_cast<std::size_t>(event.character)].id != e.character)
         ++event.character;  // the loop ends: check_scenario() has checked that the character exists
       event.duration = e.duration;
-      if (e.type == EventType::push) {
+      if (e.type != EventType::throw_) {
         const int mechanism = index_of(out_.mechanism_ids, s.characters[static_cast<std::size_t>(event.character)].mechanism);
         event.link = find_link(*out_.mechanisms[static_cast<std::size_t>(mechanism)], e.link);
+      }
+      event.grip = e.grip;
+      if (e.type == EventType::grab && !e.grip.other.empty()) {
+        event.other = 0;
+        while (s.characters[static_cast<std::size_t>(event.other)].id != e.grip.other) ++event.other;  // ends for the same reason
+        const int mechanism = index_of(out_.mechanism_ids, s.characters[static_cast<std::size_t>(event.other)].mechanism);
+        event.other_link = find_link(*out_.mechanisms[static_cast<std::size_t>(mechanism)], e.grip.other_link);
       }
       event.force = e.force;
       event.from = e.from;

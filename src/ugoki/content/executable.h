@@ -43,12 +43,14 @@ struct ExecutableCharacter {
 struct ExecutableEvent {
   std::string id;
   EventType type = EventType::push;
-  double time = 0;            ///< s, time at which the event begins
-  int character = 0;          ///< index into Executable::characters
-  double duration = 0;        ///< s (push)
-  int link = 0;               ///< index of the link (push)
-  Vec3 force;                 ///< N, world, at the link's centre of mass (push)
-  Vec3 from, velocity, spin;  ///< position (m), velocity (m/s) and angular velocity (rad/s) of the thrown root, world (throw)
+  double time = 0;                  ///< s, time at which the event begins
+  int character = 0;                ///< index into Executable::characters
+  double duration = 0;              ///< s (push)
+  int link = 0;                     ///< index of the link (push)
+  Vec3 force;                       ///< N, world, at the link's centre of mass (push)
+  Vec3 from, velocity, spin;        ///< position (m), velocity (m/s) and angular velocity (rad/s) of the thrown root, world (throw)
+  ScenarioGrip grip;                ///< (grab)
+  int other = -1, other_link = -1;  ///< character and link that are gripped; -1: the world (grab)
 };
 
 struct Executable {

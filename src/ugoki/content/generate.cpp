@@ -8,6 +8,7 @@
 #include "ugoki/content/ugx.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
+#include "ugoki/motion/torques.h"
 
 namespace ugoki::content {
 
@@ -23,7 +24,10 @@ MechanismFacts facts_of(const Mechanism& mechanism) {
   return facts;
 }
 
-MotionFacts facts_of(const Motion& motion) { return {motion.name, motion.duration(), motion.nq, motion.cyclic}; }
+MotionFacts facts_of(const Motion& motion) {
+  const MotionTorques* const torques = torques_of(motion);
+  return {motion.name, motion.duration(), motion.nq, motion.cyclic, torques ? torques->step : 0};
+}
 
 Catalogue catalogue_of(const Resources& resources) {
   Catalogue catalogue;

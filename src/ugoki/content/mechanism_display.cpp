@@ -116,7 +116,7 @@ std::string scene_json(const Executable& content) {
                           {"name", c.name},
                           {"color", c.color},
                           {"mechanism", c.mechanism},
-                          {"tracks", c.control.mode == ControlMode::track && !c.track.empty()}});
+                          {"tracks", c.control.mode != ControlMode::passive && !c.track.empty()}});
   for (std::size_t i = 0; i < content.mechanisms.size(); ++i)
     mechanisms.push_back(mechanism_display(content.mechanism_ids[i], *content.mechanisms[i], {}));
   return json::to_text(Json{{"name", content.name},

@@ -78,8 +78,10 @@ lsi::World make_world(const Executable& content) {
     spec.id = c.id;
     spec.mechanism = content.mechanisms[static_cast<std::size_t>(c.mechanism)];
     spec.q0 = c.q0;
-    if (c.control.mode == ControlMode::track)
+    if (c.control.mode != ControlMode::passive)
       for (const ExecutableClip& clip : c.track) spec.track.push_back({clip.clip, content.motions[static_cast<std::size_t>(clip.motion)]});
+    spec.as_recorded = c.control.mode == ControlMode::path || c.control.mode == ControlMode::torque;
+    if (c.control.mode == ControlMode::torque && !spec.track.empty()) spec.torques = spec.track.front().motion;
     for (const ExecutableClip& clip : c.moves) spec.moves.push_back({clip.clip, content.motions[static_cast<std::size_t>(clip.motion)]});
     characters.push_back(std::move(spec));
   }
@@ -93,6 +95,16 @@ lsi::World make_world(const Executable& content) {
     if (e.type == EventType::push) {
       event.record.kind = EventKind::push;
       event.record.a = e.force;
+    } else if (e.type == EventType::release) {
+      event.record.kind = EventKind::opening;
+    } else if (e.type == EventType::grab) {
+      event.record.kind = EventKind::gripping;
+      event.record.a = e.grip.point;
+      event.record.b = e.grip.at;
+      const std::uint32_t flags = (e.grip.rigid ? lsi::grip_rigid : 0U) | (e.grip.has_at ? lsi::grip_has_target : 0U);
+      event.record.c = {static_cast<double>(e.other), static_cast<double>(e.other_link), static_cast<double>(flags)};
+      event.record.spare[0] = e.grip.limit;
+      event.record.spare[1] = e.grip.reach;
     } else {
       event.record.kind = EventKind::throwing;
       event.record.a = e.from;

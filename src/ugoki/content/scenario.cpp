@@ -113,6 +113,7 @@ class Checker {
       else
         mechanism = &it->second;
     }
+    if (c.control.mode == ControlMode::torque) check_torque_track(c, location);
     for (std::size_t i = 0; i < c.track.size(); ++i) {
       const std::string clip_location = location + "/track/" + std::to_string(i);
       check_clip(c.track[i], mechanism, clip_location);
@@ -120,6 +121,30 @@ class Checker {
         problems_.add(ErrorCode::structure, clip_location + "/start",
                       "Clips '" + c.track[i - 1].id + "' and '" + c.track[i].id + "' start at the same time.", "Move one of them.");
     }
+  }
+
+  /// Checks the track of a character in the mode `torque`: one clip, which plays a torque-oriented motion as it is.
+  void check_torque_track(const ScenarioCharacter& c, const std::string& location) {
+    if (c.track.size() != 1 || c.track[0].start != 0 || c.track[0].offset != 0 || c.track[0].speed != 1 || c.track[0].loop) {
+      problems_.add(ErrorCode::structure, location + "/track",
+                    "Character '" + c.id +
+                        "' has the control mode \"torque\", but its track is not one clip that starts at 0 s with "
+                        "offset 0 and speed 1 and does not loop.",
+                    "Torques continue from one first state: keep one such clip, or choose another control mode.");
+      return;
+    }
+    if (!catalogue_) return;
+    const auto it = catalogue_->motions.find(c.track[0].motion);
+    if (it == catalogue_->motions.end()) return;
+    const double step = it->second.torque_step;
+    if (step == 0)
+      problems_.add(ErrorCode::structure, location + "/track/0/motion", "Motion '" + it->second.name + "' has no torques.",
+                    "Convert it with `ugoki motion torques`, or choose another control mode.");
+    else if (std::fabs(step - s_.step) > 1e-9)
+      problems_.add(ErrorCode::structure, root_ + "/step",
+                    "The torques of motion '" + it->second.name + "' are for steps of " + ugoki::to_text(step) +
+                        " s; the scenario has steps of " + ugoki::to_text(s_.step) + " s.",
+                    "Set the step of the scenario to " + ugoki::to_text(step) + ", or convert the motion to torques again.");
   }
 
   void check_clip(const ScenarioClip& clip, const MechanismFacts* mechanism, const std::string& location) {
@@ -170,6 +195,37 @@ class Checker {
     check_name(location + "/name", m.name);
   }
 
+  [[nodiscard]] const MechanismFacts* mechanism_of(const ScenarioCharacter* character) const {
+    if (!character || !catalogue_) return nullptr;
+    const auto it = catalogue_->mechanisms.find(character->mechanism);
+    return it == catalogue_->mechanisms.end() ? nullptr : &it->second;
+  }
+  void check_link(const std::string& location, const std::string& link, const MechanismFacts* mechanism) {
+    const auto has = [&](const std::vector<std::string>& names) { return std::find(names.begin(), names.end(), link) != names.end(); };
+    if (link.empty())
+      problems_.add(ErrorCode::structure, location, "The event names no link.", "Name the link on which it acts.");
+    else if (mechanism && !has(mechanism->links) && !has(mechanism->labels))
+      problems_.add(ErrorCode::unknown, location, "Mechanism '" + mechanism->name + "' has no link '" + link + "'.",
+                    "Name one of its links.");
+  }
+  void check_grip(const ScenarioEvent& e, const std::string& location) {
+    vector_range(location + "/point", e.grip.point, 100, "m");
+    vector_range(location + "/at", e.grip.at, 10000, "m");
+    range(location + "/limit", e.grip.limit, 1, 1e6, "N");
+    range(location + "/reach", e.grip.reach, 0, 10, "m");
+    if (e.grip.other.empty()) {
+      if (!e.grip.other_link.empty())
+        problems_.add(ErrorCode::structure, location + "/other_link", "The grip names a link, but no character that has the link.",
+                      "Name the character in \"other\", or omit the link to grip the world.");
+      return;
+    }
+    const ScenarioCharacter* const other = s_.find_character(e.grip.other);
+    if (!other) check_character_id(location + "/other", e.grip.other);
+    check_link(location + "/other_link", e.grip.other_link, mechanism_of(other));
+    if (e.grip.other == e.character && e.grip.other_link == e.link)
+      problems_.add(ErrorCode::structure, location + "/other_link", "The link grips itself.", "Name another link.");
+  }
+
   void check_event(const ScenarioEvent& e, const std::string& location) {
     check_own_id(location + "/id", e.id);
     range(location + "/time", e.time, 0, day, "s");
@@ -187,6 +243,11 @@ class Checker {
       else if (mechanism && !has(mechanism->links) && !has(mechanism->labels))
         problems_.add(ErrorCode::unknown, location + "/link", "Mechanism '" + mechanism->name + "' has no link '" + e.link + "'.",
                       "Name one of its links.");
+      return;
+    }
+    if (e.type == EventType::grab || e.type == EventType::release) {
+      check_link(location + "/link", e.link, mechanism);
+      if (e.type == EventType::grab) check_grip(e, location);
       return;
     }
     vector_range(location + "/from", e.from, 10000, "m");
@@ -256,7 +317,9 @@ Scenario played_part(Scenario s) {
   for (const ScenarioCharacter& c : s.characters)
     if (out(c)) left_out.push_back(c.id);
   std::erase_if(s.characters, out);
-  std::erase_if(s.events, [&](const ScenarioEvent& e) { return !s.find_character(e.character); });
+  std::erase_if(s.events, [&](const ScenarioEvent& e) {
+    return !s.find_character(e.character) || (!e.grip.other.empty() && !s.find_character(e.grip.other));
+  });
   for (const std::string& id : left_out) remove_rules_of(s, id);
   if (!s.find_character(s.camera.follow)) s.camera.follow.clear();
   for (ScenarioCharacter& c : s.characters) c.solo = c.locked = false;
@@ -294,7 +357,7 @@ Result<Scenario> read_scenario(std::string_view text, std::string_view name) {
     s.characters.push_back(std::move(c));
   });
   read_list(f, "events", [&](Fields& g) {
-    g.require("type", "\"push\" or \"throw\"");
+    g.require("type", "\"push\", \"throw\", \"grab\" or \"release\"");
     read_event(g, s.events.emplace_back());
   });
   read_list(f, "markers", [&](Fields& g) { read_marker(g, s.markers.emplace_back()); });

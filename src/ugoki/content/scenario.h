@@ -29,7 +29,13 @@ struct ScenarioClip {
   friend bool operator==(const ScenarioClip&, const ScenarioClip&) = default;
 };
 
-enum class ControlMode { track, passive };
+/// How a character is driven.
+///   track    motion control follows the track within the laws of balance
+///   passive  no drives
+///   path     motion control with high gains and as much root assist as needed keeps the character on its track
+///   torque   the torques of the track's torque-oriented motion, from its first state
+enum class ControlMode { track, passive, path, torque };
+[[nodiscard]] std::string_view name_of(ControlMode mode);
 
 struct ScenarioControl {
   ControlMode mode = ControlMode::track;
@@ -59,7 +65,21 @@ struct ScenarioCharacter {
   friend bool operator==(const ScenarioCharacter&, const ScenarioCharacter&) = default;
 };
 
-enum class EventType { push, throw_ };
+enum class EventType { push, throw_, grab, release };
+[[nodiscard]] std::string_view name_of(EventType type);
+
+/// What a link grips, and how.
+struct ScenarioGrip {
+  Vec3 point;              ///< m: gripping point in the frame of the gripping link
+  std::string other;       ///< id of the character that is gripped; empty: the world
+  std::string other_link;  ///< name or label of its link
+  bool has_at = false;     ///< `at` is given; otherwise the link grips where it is
+  Vec3 at;                 ///< m: gripped point in the frame of the other link, or in the world
+  bool rigid = false;      ///< the orientation of the link relative to the other one is held as well
+  double limit = 450;      ///< N: a larger force opens the grip; 400 to 500 N is the strength of a human hand
+  double reach = 0.15;     ///< m: maximum distance of the two points when the grip is made
+  friend bool operator==(const ScenarioGrip&, const ScenarioGrip&) = default;
+};
 
 struct ScenarioEvent {
   std::string id;
@@ -70,6 +90,7 @@ struct ScenarioEvent {
   std::string link;           ///< name or label of the link (push)
   Vec3 force;                 ///< N, world (push)
   Vec3 from, velocity, spin;  ///< position (m), velocity (m/s) and angular velocity (rad/s) of the thrown root, world (throw)
+  ScenarioGrip grip;          ///< (grab)
   friend bool operator==(const ScenarioEvent&, const ScenarioEvent&) = default;
 };
 
@@ -143,6 +164,7 @@ struct MotionFacts {
   double duration = 0;  ///< s
   int nq = 0;           ///< count of position coordinates
   bool cyclic = false;
+  double torque_step = 0;  ///< s: simulation step of the motion's torques; 0: the motion has no torques
 };
 /// The mechanisms and motions to which a document can refer.
 struct Catalogue {

@@ -27,6 +27,26 @@ void read_camera(Fields& f, ScenarioCamera& out) {
 
 }  // namespace
 
+std::string_view name_of(ControlMode mode) {
+  switch (mode) {
+    case ControlMode::track: return "track";
+    case ControlMode::passive: return "passive";
+    case ControlMode::path: return "path";
+    case ControlMode::torque: return "torque";
+  }
+  return "track";
+}
+
+std::string_view name_of(EventType type) {
+  switch (type) {
+    case EventType::push: return "push";
+    case EventType::throw_: return "throw";
+    case EventType::grab: return "grab";
+    case EventType::release: return "release";
+  }
+  return "push";
+}
+
 void read_clip(Fields& f, ScenarioClip& out) {
   f.text("id", out.id);
   f.text("motion", out.motion);
@@ -46,14 +66,17 @@ void read_place(Fields& f, ScenarioPlace& out) {
 }
 
 void read_control(Fields& f, ScenarioControl& out) {
-  std::string mode = out.mode == ControlMode::track ? "track" : "passive", beyond = "release";
+  std::string mode(name_of(out.mode)), beyond = "release";
   f.text("mode", mode);
-  if (mode == "track")
-    out.mode = ControlMode::track;
-  else if (mode == "passive")
-    out.mode = ControlMode::passive;
-  else
-    f.report(ErrorCode::unknown, f.path("mode"), "There is no control mode '" + mode + "'.", "Use \"track\" or \"passive\".");
+  bool known = false;
+  for (const ControlMode m : {ControlMode::track, ControlMode::passive, ControlMode::path, ControlMode::torque}) {
+    if (mode != name_of(m)) continue;
+    out.mode = m;
+    known = true;
+  }
+  if (!known)
+    f.report(ErrorCode::unknown, f.path("mode"), "There is no control mode '" + mode + "'.",
+             "Use \"track\", \"passive\", \"path\" or \"torque\".");
   f.number("tracking", out.tracking);
   f.number("balance", out.balance);
   f.number("assist_limit", out.assist_limit);
@@ -74,22 +97,48 @@ void read_character(Fields& f, ScenarioCharacter& out) {
   read_object(f, "control", [&](Fields& g) { read_control(g, out.control); });
 }
 
+namespace {
+
+void read_grip(Fields& f, ScenarioGrip& out) {
+  f.vec3("point", out.point);
+  f.text("other", out.other);
+  f.text("other_link", out.other_link);
+  if (const Json* at = f.find("at"); at && at->is_null()) {
+    out.has_at = false;
+    out.at = {};
+  } else if (at) {
+    out.has_at = true;
+    f.vec3("at", out.at);
+  }
+  f.boolean("rigid", out.rigid);
+  f.number("limit", out.limit);
+  f.number("reach", out.reach);
+}
+
+}  // namespace
+
 void read_event(Fields& f, ScenarioEvent& out) {
-  std::string type = out.type == EventType::push ? "push" : "throw";
+  std::string type(name_of(out.type));
   f.text("id", out.id);
   f.text("type", type);
-  if (type == "push")
-    out.type = EventType::push;
-  else if (type == "throw")
-    out.type = EventType::throw_;
-  else
-    f.report(ErrorCode::unsupported, f.path("type"), "There is no event of type '" + type + "'.", "Use \"push\" or \"throw\".");
+  bool known = false;
+  for (const EventType t : {EventType::push, EventType::throw_, EventType::grab, EventType::release}) {
+    if (type != name_of(t)) continue;
+    out.type = t;
+    known = true;
+  }
+  if (!known)
+    f.report(ErrorCode::unsupported, f.path("type"), "There is no event of type '" + type + "'.",
+             "Use \"push\", \"throw\", \"grab\" or \"release\".");
   f.number("time", out.time);
   f.text("character", out.character);
   if (out.type == EventType::push) {
     f.number("duration", out.duration);
     f.text("link", out.link);
     f.vec3("force", out.force);
+  } else if (out.type == EventType::grab || out.type == EventType::release) {
+    f.text("link", out.link);
+    if (out.type == EventType::grab) read_grip(f, out.grip);
   } else {
     f.vec3("from", out.from);
     f.vec3("velocity", out.velocity);
@@ -160,7 +209,7 @@ Json to_json(const ScenarioCharacter& c) {
                {"color", c.color},
                {"place", {{"x", c.place.x}, {"y", c.place.y}, {"z", c.place.z}, {"heading", c.place.heading}}},
                {"control",
-                {{"mode", c.control.mode == ControlMode::track ? "track" : "passive"},
+                {{"mode", name_of(c.control.mode)},
                  {"tracking", c.control.tracking},
                  {"balance", c.control.balance},
                  {"assist_limit", c.control.assist_limit},
@@ -173,12 +222,23 @@ Json to_json(const ScenarioCharacter& c) {
 }
 
 Json to_json(const ScenarioEvent& e) {
-  Json json = {{"id", e.id}, {"type", e.type == EventType::push ? "push" : "throw"}, {"time", e.time}};
+  Json json = {{"id", e.id}, {"type", name_of(e.type)}, {"time", e.time}};
   if (e.type == EventType::push) {
     json["duration"] = e.duration;
     json["character"] = e.character;
     json["link"] = e.link;
     json["force"] = to_json(e.force);
+  } else if (e.type == EventType::grab || e.type == EventType::release) {
+    json["character"] = e.character;
+    json["link"] = e.link;
+    if (e.type == EventType::release) return json;
+    json["point"] = to_json(e.grip.point);
+    json["other"] = e.grip.other;
+    json["other_link"] = e.grip.other_link;
+    json["at"] = e.grip.has_at ? to_json(e.grip.at) : Json(nullptr);
+    json["rigid"] = e.grip.rigid;
+    json["limit"] = e.grip.limit;
+    json["reach"] = e.grip.reach;
   } else {
     json["character"] = e.character;
     json["from"] = to_json(e.from);

@@ -23,6 +23,10 @@ std::vector<Clip> lay_track(const ScenarioCharacter& character, const Mechanism&
   for (std::size_t i = 0; i < character.track.size(); ++i) {
     const ScenarioClip& source = character.track[i];
     Clip clip = to_clip(source);
+    if (character.control.mode == ControlMode::torque) {  // the first state is a state in the world
+      track.push_back(clip);
+      continue;
+    }
     if (i > 0) at = floor_placement(track.back(), *resources.motions.find(character.track[i - 1].motion)->second, mechanism, clip.start);
     lay_clip(clip, *resources.motions.find(source.motion)->second, mechanism, at);
     track.push_back(clip);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "ugoki/base/hash.h"
+#include "ugoki/motion/torques.h"
 
 namespace ugoki::formats {
 namespace {
@@ -18,7 +19,8 @@ static_assert(sizeof(Vec3) == 24 && sizeof(Quat) == 32);
 constexpr std::string_view motion_mark = "UGOKIMOT";
 constexpr std::string_view measured_mark = "UGOKIMEA";
 constexpr std::uint32_t format_version = 1;
-constexpr std::size_t header_size = 32;  // bytes: file signature 8, version 4, reserved 4, payload size 8, checksum 8
+constexpr std::uint32_t torque_version = 2;  // of motions with torques
+constexpr std::size_t header_size = 32;      // bytes: file signature 8, version 4, reserved 4, payload size 8, checksum 8
 
 /// Appends values after space for a header; finish() fills in the header.
 class ByteWriter {
@@ -43,12 +45,12 @@ class ByteWriter {
   }
   void vector(const Vec3& v) { raw(&v, sizeof v); }
 
-  std::vector<std::byte> finish(std::string_view mark) {
+  std::vector<std::byte> finish(std::string_view mark, std::uint32_t version = format_version) {
     Hash64 hash;
     hash.add_bytes(bytes_.data() + header_size, bytes_.size() - header_size);
     const std::uint64_t size = bytes_.size() - header_size, sum = hash.value();
     std::memcpy(bytes_.data(), mark.data(), 8);
-    std::memcpy(bytes_.data() + 8, &format_version, 4);
+    std::memcpy(bytes_.data() + 8, &version, 4);
     std::memcpy(bytes_.data() + 16, &size, 8);
     std::memcpy(bytes_.data() + 24, &sum, 8);
     return std::move(bytes_);
@@ -63,7 +65,8 @@ class ByteReader {
  public:
   ByteReader(std::span<const std::byte> bytes, std::string_view name) : bytes_(bytes), name_(name) {}
 
-  bool begin(std::string_view mark) {
+  /// @param newest highest version of the format that the caller reads
+  bool begin(std::string_view mark, std::uint32_t newest = format_version) {
     constexpr const char* again = "Restore it from a backup, or import the motion again.";
     if (bytes_.size() < header_size) return refuse(ErrorCode::truncated, "The data ends within its header.", again);
     if (std::memcmp(bytes_.data(), mark.data(), 8) != 0)
@@ -73,7 +76,8 @@ class ByteReader {
     std::memcpy(&version, bytes_.data() + 8, 4);
     std::memcpy(&size, bytes_.data() + 16, 8);
     std::memcpy(&sum, bytes_.data() + 24, 8);
-    if (version != format_version)
+    version_ = version;
+    if (version < format_version || version > newest)
       return refuse(ErrorCode::unsupported, "Version " + std::to_string(version) + " of the motion format is not supported.",
                     "Use a newer version of Ugoki.");
     if (size != bytes_.size() - header_size)
@@ -93,6 +97,7 @@ class ByteReader {
     return false;
   }
   [[nodiscard]] bool good() const { return error_.empty(); }
+  [[nodiscard]] std::uint32_t version() const { return version_; }
   [[nodiscard]] Error take() { return std::move(error_); }
 
   bool raw(void* out, std::size_t size) {
@@ -155,6 +160,7 @@ class ByteReader {
   std::span<const std::byte> bytes_;
   std::string name_;
   std::size_t at_ = 0;
+  std::uint32_t version_ = 0;
   Error error_;
 };
 
@@ -190,12 +196,19 @@ std::vector<std::byte> write_motion(const Motion& motion) {
   }
   out.count(motion.q.size());
   out.raw(motion.q.data(), motion.q.size() * sizeof(double));
-  return out.finish(motion_mark);
+  const MotionTorques* const torques = torques_of(motion);
+  if (!torques) return out.finish(motion_mark);
+  out.number(torques->step);
+  for (const std::vector<double>* list : {&torques->q0, &torques->v0, &torques->tau}) {
+    out.count(list->size());
+    out.raw(list->data(), list->size() * sizeof(double));
+  }
+  return out.finish(motion_mark, torque_version);
 }
 
 Result<Motion> read_motion(std::span<const std::byte> bytes, std::string_view name) {
   ByteReader in(bytes, name);
-  if (!in.begin(motion_mark)) return fail(in.take());
+  if (!in.begin(motion_mark, torque_version)) return fail(in.take());
   Motion m;
   m.name = in.text();
   m.source = in.text();
@@ -214,6 +227,18 @@ Result<Motion> read_motion(std::span<const std::byte> bytes, std::string_view na
   }
   m.q.resize(in.count(sizeof(double)));
   in.raw(m.q.data(), m.q.size() * sizeof(double));
+  if (in.good() && in.version() == torque_version) {
+    auto torques = std::make_shared<MotionTorques>();
+    torques->step = in.finite();
+    for (std::vector<double>* list : {&torques->q0, &torques->v0, &torques->tau}) {
+      list->resize(in.count(sizeof(double)));
+      in.raw(list->data(), list->size() * sizeof(double));
+      if (in.good() && !finite_doubles(list->data(), list->size()))
+        in.refuse(ErrorCode::range, "A torque or a first velocity is not finite.");
+    }
+    torques->path = path_hash(m);
+    m.torques = std::move(torques);
+  }
   in.end();
   if (in.good() && (m.frames < 0 || m.nq < 0 || m.q.size() != static_cast<std::uint64_t>(m.frames) * static_cast<std::uint64_t>(m.nq)))
     in.refuse(ErrorCode::structure, "The number of coordinates does not match the number of frames.");

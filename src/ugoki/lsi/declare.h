@@ -45,6 +45,8 @@ void add_choice(circuit::Library& library);
 void add_rules(circuit::Library& library);
 void add_interpolation(circuit::Library& library);
 void add_control(circuit::Library& library);
+void add_grip(circuit::Library& library);
+void add_motion_torques(circuit::Library& library);
 void add_balance(circuit::Library& library);
 void add_collision(circuit::Library& library);
 void add_dynamics(circuit::Library& library);

@@ -5,6 +5,7 @@
 #include "ugoki/contact/contact_events.h"
 #include "ugoki/contact/scene_step.h"
 #include "ugoki/lsi/declare.h"
+#include "ugoki/lsi/grips.h"
 #include "ugoki/lsi/pull.h"
 #include "ugoki/lsi/touch.h"
 
@@ -14,7 +15,7 @@ namespace {
 using contact::Stepper;
 
 enum Input : std::size_t { in_state, in_contacts, in_events, in_torque };
-enum Output : std::size_t { out_next, out_contacts, out_touches, out_not_converged, out_substeps, out_failures };
+enum Output : std::size_t { out_next, out_contacts, out_touches, out_not_converged, out_substeps, out_failures, out_applied, out_grips };
 
 struct Dynamics {
   Dynamics(const World& world_, const contact::StepperOptions& options)
@@ -32,6 +33,12 @@ struct Dynamics {
   std::vector<collision::ContactPoint> contacts;
   std::vector<contact::StepSystem> systems;
   contact::ContactEvents touches;
+  Grips grips;
+  std::vector<contact::Grip> step_grips;      // grips of the present tick
+  bool constant_drives = false;               // parameter `constant drives`
+  std::vector<std::vector<double>> applied;   // [characters][nv] mean drive forces of the tick
+  std::vector<Stepper::Warm> warm;            // impulses before the tick, for its repetition with constant drives
+  std::vector<Stepper::LoopMemory> memories;  // [characters] loop memories before the tick
 };
 
 std::size_t warm_capacity(const World& world) {
@@ -49,6 +56,9 @@ constexpr std::size_t touch_capacity = 256, touch_events = 64;
 
 /// Returns the offset [bytes] of the characters' loop memories in the saved state.
 std::size_t loops_at(const World& world) { return touches_at(world) + sizeof(std::uint64_t) + touch_capacity * sizeof(contact::Touch); }
+
+/// Returns the offset [bytes] of the grips in the saved state.
+std::size_t grips_at(const World& world) { return loops_at(world) + world.characters().size() * sizeof(Stepper::LoopMemory); }
 
 void add_wrench(Dynamics& self, const EventRecord& e, const Vec3& p, const Vec3& force) {
   self.external[e.character][static_cast<std::size_t>(e.link)] += Vec6{cross(p, force), force};
@@ -78,6 +88,17 @@ std::int32_t explain(const Call* call, const Dynamics& self, const contact::Step
                                  : "The velocity at " + joint + " has diverged.");
 }
 
+/// Sets the drive forces that acted in the step: those of servos at the velocities after the step.
+void calc_applied(Dynamics& self) {
+  for (std::size_t s = 0; s < self.systems.size(); ++s) {
+    const contact::StepSystem& system = self.systems[s];
+    for (std::size_t i = 0; i < self.applied[s].size(); ++i) {
+      self.applied[s][i] = system.tau[i];
+      if (!system.servo_gain.empty()) self.applied[s][i] += system.servo_gain[i] * (system.servo_velocity[i] - system.v[i]);
+    }
+  }
+}
+
 std::int32_t step(const Call* call) {
   auto& self = object_of<Dynamics>(call);
   const double* state = circuit::input(call, in_state);
@@ -85,10 +106,19 @@ std::int32_t step(const Call* call) {
   std::memcpy(next, state, self.world->state_size() * sizeof(double));
   for (std::vector<Vec6>& wrenches : self.external)
     for (Vec6& w : wrenches) w = {};
-  for (const EventRecord& e : records<EventRecord>(call->in[in_events])) apply_event(self, e, state, call->tick->dt);
-  const std::span<const ContactRecord> found = records<ContactRecord>(call->in[in_contacts]);
-  self.contacts.clear();
-  for (const ContactRecord& c : found) self.contacts.push_back(c.point);
+  for (const EventRecord& e : records<EventRecord>(call->in[in_events])) {
+    apply_event(self, e, state, call->tick->dt);
+    self.grips.apply(*self.world, self.scratch, e, state);
+  }
+  self.grips.approach(call->tick->dt);
+  self.step_grips.clear();
+  for (const HeldGrip& h : self.grips.held()) self.step_grips.push_back(h.grip);
+  self.stepper.set_grips(self.step_grips);
+  const auto take_contacts = [&] {
+    self.contacts.clear();
+    for (const ContactRecord& c : records<ContactRecord>(call->in[in_contacts])) self.contacts.push_back(c.point);
+  };
+  take_contacts();
   for (const Character& c : self.world->characters()) {
     const auto i = static_cast<std::size_t>(c.index);
     const int wire = self.torque_wire[i];
@@ -100,9 +130,28 @@ std::int32_t step(const Call* call) {
       system.servo_velocity = {drive + 2 * nv, nv};
     }
   }
-  const contact::StepReport report = self.scene.step(self.systems, self.contacts, call->tick->dt);
+  if (self.constant_drives) {
+    self.warm.assign(self.stepper.warm().begin(), self.stepper.warm().end());
+    for (std::size_t i = 0; i < self.memories.size(); ++i) self.memories[i] = self.stepper.loop_memory(static_cast<int>(i));
+  }
+  contact::StepReport report = self.scene.step(self.systems, self.contacts, call->tick->dt);
+  if (report.status == contact::StepStatus::ok) calc_applied(self);
+  if (report.status == contact::StepStatus::ok && self.constant_drives) {
+    // Again, from the state before the tick, with the servos' forces of the first solution as constant forces.
+    std::memcpy(next, state, self.world->state_size() * sizeof(double));
+    self.stepper.set_warm(self.warm);
+    for (std::size_t i = 0; i < self.memories.size(); ++i) self.stepper.set_loop_memory(static_cast<int>(i), self.memories[i]);
+    take_contacts();
+    for (std::size_t i = 0; i < self.systems.size(); ++i) {
+      self.systems[i].tau = self.applied[i];
+      self.systems[i].servo_gain = self.systems[i].servo_velocity = {};
+    }
+    report = self.scene.step(self.systems, self.contacts, call->tick->dt);
+  }
   const std::span<const Vec3> forces = self.scene.forces();
   if (report.status != contact::StepStatus::ok) return explain(call, self, report);
+  self.grips.take(self.stepper.grip_forces(), call->tick->dt);
+  set_count(call->out[out_grips], self.grips.report(*self.world, self.scratch, next, record_room<EventRecord>(call->out[out_grips])));
   auto* out = record_room<ContactRecord>(call->out[out_contacts]);
   const std::size_t count = std::min<std::size_t>(self.contacts.size(), call->out_count[out_contacts]);
   for (std::size_t i = 0; i < count; ++i) out[i] = {self.contacts[i], forces[i], 0};
@@ -117,6 +166,8 @@ std::int32_t step(const Call* call) {
   circuit::output(call, out_not_converged)[0] = report.not_converged;
   circuit::output(call, out_substeps)[0] = report.substeps;
   circuit::output(call, out_failures)[0] = report.failures();
+  double* applied = circuit::output(call, out_applied);
+  for (const std::vector<double>& forces_of_one : self.applied) applied = std::ranges::copy(forces_of_one, applied).out;
   return 0;
 }
 
@@ -126,7 +177,11 @@ void configure(Setup& s) {
   s.set_out(out_next, world->state_count());
   s.set_out(out_contacts, world->contact_capacity());
   s.set_out(out_touches, touch_events);
-  s.set_state(loops_at(*world) + world->characters().size() * sizeof(Stepper::LoopMemory));
+  std::size_t dofs = 0;
+  for (const Character& c : world->characters()) dofs += static_cast<std::size_t>(c.mechanism->nv());
+  s.set_out(out_applied, World::payload_count(dofs));
+  s.set_out(out_grips, Grips::capacity);
+  s.set_state(grips_at(*world) + sizeof(std::uint64_t) + Grips::capacity * sizeof(HeldGrip));
   std::vector<int> wires(world->characters().size(), 0);
   for (std::size_t k = 0; k < s.wires(in_torque); ++k) {
     const circuit::Shape shape = s.in(in_torque, k);
@@ -155,7 +210,12 @@ void* make(Setup& s) {
     self->external.emplace_back(static_cast<std::size_t>(c.mechanism->link_count()));
     self->no_torque.emplace_back(static_cast<std::size_t>(c.mechanism->nv()));
     self->torque_wire.push_back(-1);
+    self->applied.emplace_back(static_cast<std::size_t>(c.mechanism->nv()));
   }
+  self->step_grips.reserve(Grips::capacity);
+  self->constant_drives = s.number("constant drives") != 0;
+  self->memories.resize(world->characters().size());
+  self->warm.reserve(warm_capacity(*world));
   for (std::size_t k = 0; k < s.wires(in_torque); ++k)
     self->torque_wire[static_cast<std::size_t>(s.in(in_torque, k).subject)] = static_cast<int>(in_torque + k);
   self->contacts.reserve(2 * std::size_t{world->contact_capacity()});
@@ -179,6 +239,10 @@ void store(const Call* call) {
     const Stepper::LoopMemory memory = self.stepper.loop_memory(i);
     std::memcpy(loops + static_cast<std::size_t>(i) * sizeof memory, &memory, sizeof memory);
   }
+  auto* const grips = static_cast<std::byte*>(call->state) + grips_at(*self.world);
+  const std::span<const HeldGrip> held = self.grips.held();
+  set_count(grips, held.size());
+  if (!held.empty()) std::memcpy(record_room<HeldGrip>(grips), held.data(), held.size_bytes());
 }
 
 void recall(const Call* call) {
@@ -191,6 +255,7 @@ void recall(const Call* call) {
     std::memcpy(&memory, loops + static_cast<std::size_t>(i) * sizeof memory, sizeof memory);
     self.stepper.set_loop_memory(i, memory);
   }
+  self.grips.set_held(records<HeldGrip>(static_cast<const std::byte*>(call->state) + grips_at(*self.world)));
 }
 
 }  // namespace
@@ -228,11 +293,19 @@ void add_dynamics(circuit::Library& library) {
                  "Number of substeps into which the tick was split because bodies would have passed through each other; 1: none."),
       output_pin("failures", PinTypeId::scalar, "",
                  "Number of failed stages of the tick: motions without bias forces, unfinished impacts, open loops, stops, overlaps that "
-                 "are left (docs/design/contact.md).")};
+                 "are left (docs/design/contact.md)."),
+      output_pin(
+          "applied", PinTypeId::joint_values, "N m, N",
+          "Drive forces that acted in this tick on the degrees of freedom of all characters, one character after the other: the forces "
+          "of the inputs, and those of their servos."),
+      output_pin("grips", PinTypeId::event, "", "The grips that hold, with their forces (LSI `grip`).")};
   c.parameters = {
       number_parameter("iterations", usual.iterations, 1, 10000, "", "Maximum number of sweeps over the contacts."),
-      number_parameter("tolerance", usual.tolerance, 1e-15, 1, "m/s", "Sweeps end when no velocity changes by more than this.")};
-  c.parameters[0].kind = circuit::ParameterKind::integer;
+      number_parameter("tolerance", usual.tolerance, 1e-15, 1, "m/s", "Sweeps end when no velocity changes by more than this."),
+      number_parameter("constant drives", 0, 0, 1, "",
+                       "1: the forces of servos are constant during a tick, so that a run with the output `applied` as torque has the same "
+                       "bits. Every tick is then computed twice.")};
+  c.parameters[0].kind = c.parameters[2].kind = circuit::ParameterKind::integer;
   c.configure = configure;
   c.make = make;
   c.destroy = destroy<Dynamics>;
@@ -241,6 +314,7 @@ void add_dynamics(circuit::Library& library) {
     self.stepper.set_warm({});
     for (int i = 0; i < self.stepper.system_count(); ++i) self.stepper.set_loop_memory(i, {});
     self.touches.set_touches({});
+    self.grips.set_held({});
     return 0;
   };
   c.step = step;

@@ -43,6 +43,7 @@ void* make(Setup& s) {
   for (const ScheduledEvent& e : world_of(s)->events()) {
     std::uint64_t first = first_tick(e.time, s.dt());
     std::uint64_t count = tick_count(e.duration, s.dt());
+    if (e.record.kind == EventKind::gripping || e.record.kind == EventKind::opening) count = 1;
     if (e.record.kind == EventKind::throwing) {  // emitted one tick earlier: the status LSI applies it at the end of the tick
       first = std::max<std::uint64_t>(first, 1) - 1;
       count = 1;
@@ -91,6 +92,8 @@ void add_live_events(const Call* call, Lasting& next) {
       case EventKind::touch:
       case EventKind::parting:
       case EventKind::omitted:
+      case EventKind::gripping:
+      case EventKind::opening:
       case EventKind::none: break;
     }
   }

@@ -13,12 +13,16 @@ struct CircuitCharacter {
   bool follows_track = false;                            ///< false: the character moves passively
   double tracking = 1, balance = 1, assist_limit = 0.5;  ///< parameters of the character's motion control LSI
   bool has_moves = false;                                ///< true: rules play motions instead of the track (LSI `motion choice`)
+  enum class Drive { control, path, torque };
+  /// control: motion control, or balance control without assist. path: motion control with high gains and assist. torque: motion torques
+  Drive drive = Drive::control;
 };
 
 /// Makes the execution circuit from LSIs (function blocks). It contains event, collision analysis, dynamics, status and display. For each
-/// character that follows a track it also contains motion retrieval (or motion choice, if rules play motions), interpolation, motion control and naturalness; if the character's
-/// assist limit is 0, only balance control and naturalness. Its input `live` receives the user's events. Its outputs are `state`,
-/// `contacts`, `events`, `poses`, `characters` and `measures`.
+/// character that follows a track it also contains motion retrieval (or motion choice, if rules play motions), interpolation, motion
+/// control and naturalness; if the character's assist limit is 0, only balance control and naturalness. Drive::torque replaces motion
+/// control by the LSI `motion torques`. Its input `live` receives the user's events. Its outputs are `state`, `contacts`, `events`,
+/// `poses`, `characters` and `measures`.
 /// @param step  s, time between ticks. Naturalness is measured about 120 times a second, always after the same number of ticks
 [[nodiscard]] circuit::Circuit make_execution_circuit(const std::vector<CircuitCharacter>& characters, double step);
 

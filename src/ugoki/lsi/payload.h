@@ -21,6 +21,11 @@ namespace ugoki::lsi {
 ///   throwing of the root, a: position, m; b: velocity, m/s; c: angular velocity, rad/s
 ///   touch    a: contact point, m; b: impulse on the link in the first step, N s; c: indices of the other character (-1: ground) and link
 ///   parting  a: point at which the touch began, m; b: total impulse of the touch, N s; c: as in touch; `duration`, s: of the touch
+///   gripping of a link (scenario only), a: gripping point in the frame of the link, m; b: target in the frame of the other link or in the
+///            world, m; c: indices of the other character (-1: the world) and link, and Grip flags; spare: limit of the force, N, and
+///            reach, m. In the output `grips` of `dynamics`: a: force on the link, N; b: gripping point, m; c: other character, link, force
+///            / limit; `duration`, s: since the grip was made; spare: gap, m, and moment on the link, N m
+///   opening  end of the grips of a link                    (scenario only)
 ///   omitted  a: x: number of further touches and partings of the tick, for which the output has no room; the last record of the tick
 enum class EventKind : std::uint32_t {
   none = 0,
@@ -31,7 +36,15 @@ enum class EventKind : std::uint32_t {
   throwing = 5,
   touch = 6,
   parting = 7,
-  omitted = 8
+  omitted = 8,
+  gripping = 9,
+  opening = 10
+};
+
+/// Flags of an event of the kind gripping, added to one number.
+enum GripFlag : std::uint32_t {
+  grip_rigid = 1,      ///< the orientation is held as well
+  grip_has_target = 2  ///< b is given; otherwise the target is where the gripping point is at the event
 };
 
 struct EventRecord {

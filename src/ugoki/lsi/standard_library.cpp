@@ -17,6 +17,8 @@ const circuit::Library& standard_library() {
     add_interpolation(all);
     add_control(all);
     add_balance(all);
+    add_motion_torques(all);
+    add_grip(all);
     add_collision(all);
     add_dynamics(all);
     add_status(all);

@@ -6,6 +6,7 @@
 #include "ugoki/lsi/track_sampler.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/contact_labels.h"
+#include "ugoki/motion/torques.h"
 
 namespace ugoki::lsi {
 namespace {
@@ -45,13 +46,18 @@ World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> 
     link_count_ += static_cast<std::size_t>(m.link_count());
     for (const Link& link : m.links()) shapes += link.shapes.size();
     if (!spec.track.empty()) {
-      c.track = std::make_shared<const TrackSampler>(c.mechanism, std::move(spec.track), c.feet, true);
+      c.track = std::make_shared<const TrackSampler>(c.mechanism, std::move(spec.track), c.feet, !spec.as_recorded);
       std::vector<double> reference(c.track->layout().size());
       c.track->sample(0, reference);
       const ReferenceLayout& at = c.track->layout();
       std::copy_n(reference.data(), c.q0.size(), c.q0.data());
       std::copy_n(reference.data() + at.v(), c.v0.size(), c.v0.data());
-      raise_above(m, ground_.height, c.q0);
+      if (!spec.as_recorded) raise_above(m, ground_.height, c.q0);
+    }
+    if (spec.torques) {
+      c.torques = std::move(spec.torques);
+      c.q0 = c.torques->torques->q0;
+      c.v0 = c.torques->torques->v0;
     }
     if (!spec.moves.empty()) c.moves = std::make_shared<const TrackSampler>(c.mechanism, std::move(spec.moves), c.feet, true);
     characters_.push_back(std::move(c));

@@ -30,6 +30,8 @@ struct CharacterSpec {
   std::vector<TrackClip> track;  ///< sorted by start; may be empty
   std::vector<TrackClip> moves;  ///< clips that rules play instead of the track (LSI `motion choice`); their start is 0
   std::vector<double> q0;        ///< [nq] position at time 0 of a character without a track; empty: neutral position
+  bool as_recorded = false;      ///< the track's motions are not filtered, and the first frame is not raised above the ground
+  MotionPtr torques;             ///< motion whose torques drive the character from its first state (LSI `motion torques`); null: none
 };
 
 /// A character as LSIs see it.
@@ -40,6 +42,7 @@ struct Character {
   MechanismPtr mechanism;
   std::shared_ptr<const TrackSampler> track;  ///< null: the character has no track
   std::shared_ptr<const TrackSampler> moves;  ///< the clips that rules play; null: none
+  MotionPtr torques;                          ///< motion whose torques drive the character; null: none
   std::vector<double> q0, v0;                 ///< [nq], [nv] position and velocity at time 0
   std::vector<int> feet;                      ///< indices of links, from find_feet
   std::size_t q_offset = 0, v_offset = 0;     ///< index of the first number of q, and of v, in a state payload

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ugoki/mechanism/state.h"
+#include "ugoki/motion/torques.h"
 
 namespace ugoki {
 
@@ -48,6 +49,7 @@ Error check_motion(const Motion& motion, const Mechanism& mechanism) {
       errors.add(ErrorCode::structure, location, "The number of contact labels of link '" + c.link + "' differs from the number of frames.",
                  "Label the contacts again.");
   }
+  for (Problem& p : check_torques(motion, mechanism).problems) errors.problems.push_back(std::move(p));
   return errors;
 }
 

@@ -17,6 +17,8 @@ struct ContactTrack {
   std::vector<std::uint8_t> on;  ///< [frames] 1 while the link is in contact with the ground
 };
 
+struct MotionTorques;  // motion/torques.h
+
 struct Motion {
   std::string name;
   std::string source;     ///< origin of the data, for display
@@ -27,6 +29,9 @@ struct Motion {
   std::vector<double> q;  ///< [frames][nq] coordinates of the mechanism
   std::vector<ContactTrack> contacts;
   bool cyclic = false;  ///< the last animation frame equals the first except for the displacement of the root
+  /// Torque-oriented form of this motion; null: the motion has only coordinates. Read it with torques_of(), because torques do not fit
+  /// coordinates that were changed after the torques were computed.
+  std::shared_ptr<const MotionTorques> torques;
 
   [[nodiscard]] double duration() const { return frames > 1 ? (frames - 1) / rate : 0; }
   [[nodiscard]] const double* frame(int i) const { return q.data() + static_cast<std::size_t>(i) * static_cast<std::size_t>(nq); }

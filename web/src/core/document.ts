@@ -16,7 +16,7 @@ export interface Place {
 }
 
 export interface Control {
-  mode: 'track' | 'passive';
+  mode: 'track' | 'passive' | 'path' | 'torque';
   /** Factor on the gains of the tracking controller, 0 ... 2. */
   tracking: number;
   /** Factor on the gains of the balance controller, 0 ... 2. */

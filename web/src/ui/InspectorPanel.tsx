@@ -116,9 +116,9 @@ function CharacterFields({ character, link, doc }: { character: Character; link:
       <ChoiceField
         label="Drive"
         value={control.mode}
-        choices={[['track', 'Follow the track'], ['passive', 'Passive body']]}
-        title="Follow the track: motion control drives the joints. Passive body: no control forces"
-        on_commit={(mode) => set_control({ mode: mode as 'track' | 'passive' })}
+        choices={[['track', 'Follow the track'], ['passive', 'Passive body'], ['path', 'Follow exactly'], ['torque', 'Torques of the motion']]}
+        title="Follow the track: motion control drives the joints. Passive body: no control forces. Follow exactly: high gains and as much root assist as needed. Torques of the motion: the clip's own torques, without control"
+        on_commit={(mode) => set_control({ mode: mode as typeof control.mode })}
       />
       {active && (
         <>
