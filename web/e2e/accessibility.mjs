@@ -228,8 +228,8 @@ export const accessibility_journeys = [
       assert.equal(await focus(), await clip.getAttribute('data-clip'));
       await page.getByRole('tab', { name: 'Scenario' }).focus();
       await page.keyboard.press('ArrowRight');
-      assert.equal(await focus(), 'Circuit');
-      assert.equal(await page.getByRole('tab', { name: 'Circuit' }).getAttribute('aria-selected'), 'true');
+      assert.equal(await focus(), 'Curves');
+      assert.equal(await page.getByRole('tab', { name: 'Curves' }).getAttribute('aria-selected'), 'true');
       assert.equal(await page.getByRole('tab', { name: 'Scenario' }).getAttribute('aria-selected'), 'false');
       await page.keyboard.press('Home');
       assert.equal(await focus(), 'Scenario');
