@@ -1,8 +1,11 @@
 #pragma once
 // Random commands for a scenario. Most are valid; some are refused.
 
+#include <array>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "ugoki/content/scenario.h"
 
@@ -14,7 +17,8 @@ class RandomCommands {
 
   /// A random command (JSON) for the document `s`.
   std::string next(const Scenario& s) {
-    switch (pick(20)) {
+    if (std::string removal = shrink(s); !removal.empty()) return removal;
+    switch (pick(27)) {
       case 0:
         return R"({"type": "clip.add", "character": "human", "motion": ")" + std::string(pick(2) ? "n-walk" : "n-step") +
                R"(", "start": )" + number(0, 8) + "}";
@@ -42,7 +46,7 @@ class RandomCommands {
       case 14:
         if (s.markers.empty()) return next(s);
         return R"({"type": "marker.)" + std::string(pick(2) ? "remove" : "set") + R"(", "id": ")" + s.markers[pick(s.markers.size())].id +
-               "\"}";
+               (pick(2) ? "\"}" : R"(", "time": )" + number(0, 9) + "}");
       case 15:
         return R"({"type": "character.set", "id": ")" + any_character(s) + R"(", ")" + std::string(pick(2) ? "muted" : "solo") + R"(": )" +
                std::string(pick(2) ? "true}" : "false}");
@@ -55,11 +59,29 @@ class RandomCommands {
       case 18:
         if (s.rules.empty()) return next(s);
         return R"({"type": "rule.set", "id": ")" + s.rules[pick(s.rules.size())].id + R"(", "rule": {"on": )" +
-               (pick(2) ? "true" : "false") + R"(, "if": [{"type": "key", "key": "KeyW"}, {"type": "time", "time": )" + number(-1, 9) + "}]}}";
+               (pick(2) ? "true" : "false") + R"(, "if": [{"type": "key", "key": "KeyW"}, {"type": "time", "time": )" + number(-1, 9) +
+               "}]}}";
       case 19:
         if (s.rules.empty()) return next(s);
         return R"({"type": "rule.)" + std::string(pick(2) ? "move" : "remove") + R"(", "id": ")" + s.rules[pick(s.rules.size())].id + "\"" +
                (pick(2) ? R"(, "at": 0})" : "}");
+      case 20:
+        return command_on_clip(s, "layer.add",
+                               R"("value": {"mode": ")" + std::string(pick(2) ? "additive" : "replace") + R"(", "ease_in": )" +
+                                   (pick(2) ? "null" : number(0, 1)) + R"(, "weight": )" + number(0, 1.05) + "}");
+      case 21:
+      case 22: return key_command(s);
+      case 23:
+        return layer_command(s, "layer.set",
+                             R"(, "value": {"on": )" + std::string(pick(2) ? "true" : "false") + R"(, "weight": )" + number(0, 1) +
+                                 R"(, "ease_out": )" + number(0, 2) + "}");
+      case 24:
+        return pick(3) == 0 ? layer_command(s, "layer.remove", "")
+                            : layer_command(s, "layer.move", R"(, "at": )" + std::to_string(pick(3)));
+      case 25: {
+        const std::string command = next(s), other = next(s);
+        return R"({"type": "group", "label": "Two", "commands": [)" + command + ", " + other + "]}";
+      }
       default:
         return pick(2) ? R"({"type": "scenario.set", "duration": )" + number(1, 30) + R"(, "look": {"light": )" + number(0, 2.1) + "}}"
                        : circuit_command();
@@ -84,6 +106,69 @@ class RandomCommands {
     const auto& track = s.characters[0].track;
     return R"({"type": ")" + type + R"(", "character": ")" + s.characters[0].id + R"(", "id": ")" + track[pick(track.size())].id + "\"" +
            more + "}";
+  }
+  /// A command that removes an item from a list that has become long, so that long histories stay fast; empty: no list is long.
+  std::string shrink(const Scenario& s) {
+    constexpr std::size_t max_length = 8;
+    const auto remove = [&](const char* type, const auto& list) {
+      return R"({"type": ")" + std::string(type) + R"(", "id": ")" + list[pick(list.size())].id + "\"}";
+    };
+    if (s.characters.size() > max_length) return R"({"type": "character.remove", "id": ")" + s.characters.back().id + "\"}";
+    if (s.events.size() > max_length) return remove("event.remove", s.events);
+    if (s.markers.size() > max_length) return remove("marker.remove", s.markers);
+    if (s.rules.size() > max_length) return remove("rule.remove", s.rules);
+    if (s.characters.empty() || s.characters[0].locked) return {};
+    for (const ScenarioClip& clip : s.characters[0].track) {
+      if (s.characters[0].track.size() > max_length) return command_on(s, "clip.remove", "");
+      std::size_t keys = 0;
+      for (const ScenarioLayer& layer : clip.layers)
+        for (const motion_edit::JointKeys& joint : layer.keyed.joints) keys += joint.keys.size();
+      if (clip.layers.size() > 3 || keys > 40)
+        return R"({"type": "layer.remove", "character": ")" + s.characters[0].id + R"(", "clip": ")" + clip.id + R"(", "layer": ")" +
+               clip.layers[0].id + "\"}";
+    }
+    return {};
+  }
+  /// A command on the layers of any clip of the first character.
+  std::string command_on_clip(const Scenario& s, const std::string& type, const std::string& more) {
+    if (s.characters.empty() || s.characters[0].track.empty()) return R"({"type": "clip.remove", "character": "human", "id": "none"})";
+    const auto& track = s.characters[0].track;
+    return R"({"type": ")" + type + R"(", "character": ")" + s.characters[0].id + R"(", "clip": ")" + track[pick(track.size())].id +
+           "\", " + more + "}";
+  }
+  /// A layer of any clip of the first character; null: there is none.
+  std::pair<const ScenarioClip*, const ScenarioLayer*> any_layer(const Scenario& s) {
+    if (s.characters.empty()) return {};
+    std::vector<std::pair<const ScenarioClip*, const ScenarioLayer*>> all;
+    for (const ScenarioClip& clip : s.characters[0].track)
+      for (const ScenarioLayer& layer : clip.layers) all.emplace_back(&clip, &layer);
+    return all.empty() ? std::pair<const ScenarioClip*, const ScenarioLayer*>{} : all[pick(all.size())];
+  }
+  std::string layer_command(const Scenario& s, const std::string& type, const std::string& more) {
+    const auto [clip, layer] = any_layer(s);
+    if (!layer) return next(s);
+    return R"({"type": ")" + type + R"(", "character": ")" + s.characters[0].id + R"(", "clip": ")" + clip->id + R"(", "layer": ")" +
+           layer->id + "\"" + more + "}";
+  }
+  /// Sets, changes or removes a key.
+  std::string key_command(const Scenario& s) {
+    const auto [clip, layer] = any_layer(s);
+    if (!layer) return next(s);
+    std::string more =
+        R"(, "put": [{"link": "leg", "time": )" + number(-0.05, 2) + R"(, "value": [)" + number(-1, 1) + R"(], "tangent": ")" +
+        std::array{"smooth", "linear", "step", "free"}[pick(4)] + R"(", "in": [)" + number(-5, 5) + R"(], "out": [0]},
+                       {"link": "pelvis", "part": ")" +
+        (pick(2) ? "rotation" : "position") + R"(", "time": )" + number(0, 2) + R"(, "value": [0, )" + number(-1, 1) + ", -0.5]}]";
+    if (!layer->keyed.joints.empty() && pick(2)) {
+      const motion_edit::JointKeys& joint = layer->keyed.joints[pick(layer->keyed.joints.size())];
+      const std::string part = joint.part == motion_edit::JointPart::whole      ? "joint"
+                               : joint.part == motion_edit::JointPart::rotation ? "rotation"
+                                                                                : "position";
+      more = R"(, "take": [{"link": ")" + joint.link + R"(", "part": ")" + part + R"(", "time": )" +
+             std::to_string(joint.keys[pick(joint.keys.size())].time) + "}]" + (pick(2) ? more : "");
+    }
+    return R"({"type": "key.edit", "character": ")" + s.characters[0].id + R"(", "clip": ")" + clip->id + R"(", "layer": ")" + layer->id +
+           "\"" + more + "}";
   }
   std::string clip_command(const Scenario& s, const std::string& fields) { return command_on(s, "clip.set", ", " + fields); }
 

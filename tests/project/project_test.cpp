@@ -3,8 +3,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 #include <functional>
+#include <map>
 #include <random>
 
 #include "project_fixture.h"
@@ -17,6 +19,51 @@ namespace {
 namespace fs = std::filesystem;
 using content::testing::make_resources;
 using content::testing::make_scenario;
+
+/// Every type of command that a random history must contain.
+constexpr std::array command_types = {"clip.add",     "clip.set",   "clip.remove",  "clip.split",    "layer.add",     "layer.set",
+                                      "layer.remove", "layer.move", "key.edit",     "character.add", "character.set", "character.remove",
+                                      "event.add",    "event.set",  "event.remove", "marker.add",    "marker.set",    "marker.remove",
+                                      "rule.add",     "rule.set",   "rule.move",    "rule.remove",   "scenario.set",  "circuit.set",
+                                      "circuit.edit", "group"};
+
+/// Applies random commands until `count` of them have changed the document, some of them undone and done again in between. Then undoes all
+/// and redoes all. Every state must have the bytes that it had before.
+void check_random_history(Project project, std::size_t count, unsigned seed) {
+  SCOPED_TRACE(seed);
+  content::testing::RandomCommands random(seed);
+  std::map<std::string, int> applied;
+  std::vector<std::uint64_t> states = {std::hash<std::string>{}(project.document())};
+  const auto state = [&] { return std::hash<std::string>{}(project.document()); };
+  while (states.size() <= count) {
+    const std::string command = random.next(project.scenario());
+    const auto change = project.execute(command);
+    if (!change || change->label.empty()) continue;
+    for (const char* type : command_types)
+      if (command.find("\"type\": \"" + std::string(type) + "\"") != std::string::npos) ++applied[type];
+    states.push_back(state());
+    if (random.pick(6) != 0) continue;
+    ASSERT_TRUE(project.undo());
+    ASSERT_EQ(state(), states[states.size() - 2]);
+    if (random.pick(2) == 0) {
+      states.pop_back();
+      continue;
+    }
+    ASSERT_TRUE(project.redo());
+    ASSERT_EQ(state(), states.back());
+  }
+  for (const char* type : command_types) EXPECT_GT(applied[type], 0) << "no command " << type;
+  for (std::size_t i = states.size() - 1; i-- > 0;) {
+    ASSERT_TRUE(project.undo());
+    ASSERT_EQ(state(), states[i]) << "after undoing to state " << i;
+  }
+  EXPECT_FALSE(project.can_undo());
+  for (std::size_t i = 1; i < states.size(); ++i) {
+    ASSERT_TRUE(project.redo());
+    ASSERT_EQ(state(), states[i]) << "after redoing to state " << i;
+  }
+  EXPECT_FALSE(project.can_redo());
+}
 
 /// In each round a child process applies commands and is killed at a random time. Every acknowledged command must be in the file
 /// afterwards.
@@ -187,35 +234,11 @@ TEST_F(ProjectTest, RefusedCommandsChangeNothing) {
   EXPECT_FALSE(project.can_undo());
 }
 
-TEST_F(ProjectTest, UndoAndRedoOfRandomEditsRestoreEveryState) {
-  constexpr unsigned seed = 1999;
-  SCOPED_TRACE(seed);
-  content::testing::RandomCommands random(seed);
-  Project project = make();
-  const std::string initial = project.document();
-  std::vector<std::string> states = {initial};
-  while (states.size() < 40) {
-    const auto change = project.execute(random.next(project.scenario()));
-    if (change && !change->label.empty()) states.push_back(project.document());
-    if (change && random.pick(6) == 0 && project.can_undo()) {
-      ASSERT_TRUE(project.undo());
-      states.pop_back();
-      EXPECT_EQ(project.document(), states.back());
-    }
-  }
-  const std::string final_state = project.document();
-  for (std::size_t i = states.size() - 1; i-- > 0;) {
-    ASSERT_TRUE(project.undo());
-    ASSERT_EQ(project.document(), states[i]) << "after undoing to state " << i;
-  }
-  EXPECT_FALSE(project.can_undo());
-  EXPECT_EQ(project.document(), initial);
-  for (std::size_t i = 1; i < states.size(); ++i) {
-    ASSERT_TRUE(project.redo());
-    ASSERT_EQ(project.document(), states[i]) << "after redoing to state " << i;
-  }
-  EXPECT_EQ(project.document(), final_state);
-}
+TEST_F(ProjectTest, UndoAndRedoOfRandomEditsRestoreEveryState) { check_random_history(make(), 300, 1999); }
+
+/// As many steps as a project keeps.
+class SlowProjectTest : public ProjectTest {};
+TEST_F(SlowProjectTest, UndoAndRedoOf10000RandomEditsRestoreEveryState) { check_random_history(make(), 10'000, 2026); }
 
 TEST_F(ProjectTest, SavesAndSavesAs) {
   const std::string other = folder_ + "/copy.ugoki";

@@ -87,6 +87,24 @@ const deep_views = [
     }
     await tab(page, 'Scenario');
   }],
+  ['posing', async (page) => {
+    await page.locator('.track-name').first().click();
+    await page.evaluate('document.activeElement?.blur?.()');
+    await page.keyboard.press('e');
+    await page.locator('.pose-handles button').first().waitFor();
+    await page.waitForFunction(() => window.ugoki.posing()?.ready);
+  }],
+  ['the curves', async (page) => {
+    await page.keyboard.press('Shift+S');
+    await tab(page, 'Curves');
+    await page.locator('.curve-plot canvas').waitFor();
+    await page.locator('.curve-row').first().waitFor();
+  }, async (page) => {
+    await page.keyboard.press('Control+z');
+    await page.waitForTimeout(400);
+    await page.keyboard.press('e');
+    await tab(page, 'Scenario');
+  }],
   ['naturalness without a simulation', async (page) => {
     await mode(page, 'Edit');
     await tab(page, 'Naturalness');
@@ -187,7 +205,7 @@ export const accessibility_journeys = [
           await open(page);
           await page.waitForTimeout(300);
           for (const line of await violations(page)) found.push(`${name} (${await theme()}): ${line}`);
-          if (/^(the circuit|naturalness|the log|the import|the simulation)$/.test(name)) await page.screenshot({ path: `${pictures}axe-${name.replace('the ', '')}-${await theme()}.png` });
+          if (/^(the circuit|posing|the curves|naturalness|the log|the import|the simulation)$/.test(name)) await page.screenshot({ path: `${pictures}axe-${name.replace('the ', '')}-${await theme()}.png` });
           await leave?.(page);
         }
         await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
@@ -210,8 +228,8 @@ export const accessibility_journeys = [
       assert.equal(await focus(), await clip.getAttribute('data-clip'));
       await page.getByRole('tab', { name: 'Scenario' }).focus();
       await page.keyboard.press('ArrowRight');
-      assert.equal(await focus(), 'Circuit');
-      assert.equal(await page.getByRole('tab', { name: 'Circuit' }).getAttribute('aria-selected'), 'true');
+      assert.equal(await focus(), 'Curves');
+      assert.equal(await page.getByRole('tab', { name: 'Curves' }).getAttribute('aria-selected'), 'true');
       assert.equal(await page.getByRole('tab', { name: 'Scenario' }).getAttribute('aria-selected'), 'false');
       await page.keyboard.press('Home');
       assert.equal(await focus(), 'Scenario');

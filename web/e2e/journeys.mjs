@@ -11,6 +11,7 @@ import { control_journeys } from './controls.mjs';
 import { plugin_journeys } from './plugins.mjs';
 import { editor_journeys } from './editor.mjs';
 import { repair_journeys } from './repairs.mjs';
+import { posing_journeys } from './posing.mjs';
 import { rule_journeys } from './rules.mjs';
 import { library_journeys } from './library.mjs';
 import { motion_journeys } from './motion.mjs';
@@ -454,7 +455,7 @@ export const journeys = [
   ...accessibility_journeys,
   ...repair_journeys,
   ...editor_journeys,
-  ...rule_journeys,
+  ...posing_journeys, ...rule_journeys,
   ...body_journeys,
   ...motion_journeys,
   ...library_journeys,

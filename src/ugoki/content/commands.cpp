@@ -7,6 +7,7 @@
 #include "ugoki/base/number.h"
 #include "ugoki/content/circuit_edit.h"
 #include "ugoki/content/default_circuit.h"
+#include "ugoki/content/layer_commands.h"
 #include "ugoki/content/scenario_json.h"
 
 namespace ugoki::content {
@@ -33,10 +34,15 @@ class Work {
       std::string_view type;
       std::string (Work::*run)(Fields&);
     };
-    static constexpr std::array<Kind, 21> kinds = {{{"clip.add", &Work::clip_add},
+    static constexpr std::array<Kind, 26> kinds = {{{"clip.add", &Work::clip_add},
                                                     {"clip.set", &Work::clip_set},
                                                     {"clip.remove", &Work::clip_remove},
                                                     {"clip.split", &Work::clip_split},
+                                                    {"layer.add", &Work::layer_add},
+                                                    {"layer.set", &Work::on_clip<set_layer>},
+                                                    {"layer.remove", &Work::on_clip<remove_layer>},
+                                                    {"layer.move", &Work::on_clip<move_layer>},
+                                                    {"key.edit", &Work::on_clip<edit_keys>},
                                                     {"character.add", &Work::character_add},
                                                     {"character.set", &Work::character_set},
                                                     {"character.remove", &Work::character_remove},
@@ -118,16 +124,16 @@ class Work {
     problems_.add(ErrorCode::conflict, f.path(key), "The track of '" + c->name + "' is locked.", "Unlock the track first.");
     return nullptr;
   }
-  /// Returns the character and the clip's index in its track, from the fields `character` and `id`; {null, 0} and a problem if missing.
-  std::pair<ScenarioCharacter*, std::size_t> clip_in(Fields& f) {
+  /// Returns the character and the clip's index in its track, from the fields `character` and `key`; {null, 0} and a problem if missing.
+  std::pair<ScenarioCharacter*, std::size_t> clip_in(Fields& f, std::string_view key = "id") {
     ScenarioCharacter* c = unlocked_in(f, "character");
     std::string id;
-    f.require("id", "the clip's id");
-    f.text("id", id);
+    f.require(key, "the clip's id");
+    f.text(key, id);
     if (!c || !problems_.empty()) return {nullptr, 0};
     for (std::size_t i = 0; i < c->track.size(); ++i)
       if (c->track[i].id == id) return {c, i};
-    report_missing(f, "id", "clip", id);
+    report_missing(f, key, "clip", id);
     return {nullptr, 0};
   }
   ScenarioEvent* event_in(Fields& f) {
@@ -206,6 +212,25 @@ class Work {
     c->track[i] = first;
     c->track.push_back(second);
     return "Split clip";
+  }
+
+  /// A command that changes the layers of one clip; the clip's id is in the field `clip`.
+  template <std::string (*change)(Fields&, ScenarioClip&)>
+  std::string on_clip(Fields& f) {
+    const auto [c, i] = clip_in(f, "clip");
+    return c ? change(f, c->track[i]) : std::string();
+  }
+  std::string layer_add(Fields& f) {
+    const auto [c, i] = clip_in(f, "clip");
+    if (!c) return {};
+    std::string free_id, id;
+    const auto taken = [&, clip = &c->track[i]] {
+      return std::any_of(clip->layers.begin(), clip->layers.end(), [&](const ScenarioLayer& l) { return l.id == free_id; });
+    };
+    for (std::size_t n = c->track[i].layers.size() + 1; free_id.empty() || taken(); ++n) free_id = "l" + std::to_string(n);
+    std::string label = add_layer(f, c->track[i], free_id, id);
+    if (!id.empty()) effect_.created.push_back(id);
+    return label;
   }
 
   std::string character_add(Fields& f) {

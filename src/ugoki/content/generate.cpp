@@ -4,6 +4,7 @@
 
 #include "ugoki/content/default_circuit.h"
 #include "ugoki/content/json_fields.h"
+#include "ugoki/content/layered_motions.h"
 #include "ugoki/content/track.h"
 #include "ugoki/content/ugx.h"
 #include "ugoki/formats/mechanism_json.h"
@@ -19,6 +20,7 @@ MechanismFacts facts_of(const Mechanism& mechanism) {
   facts.free_root = mechanism.link_count() > 0 && mechanism.link(0).joint.type == JointType::floating;
   for (const Link& link : mechanism.links()) {
     facts.links.push_back(link.name);
+    facts.joints.push_back(link.joint.type);
     if (!link.label.empty()) facts.labels.push_back(link.label);
   }
   return facts;
@@ -43,13 +45,16 @@ int find_link(const Mechanism& mechanism, std::string_view text) {
   return -1;
 }
 
-Result<std::vector<std::byte>> generate(const Scenario& scenario, const Resources& resources) {
+Result<std::vector<std::byte>> generate(const Scenario& scenario, const Resources& unlayered) {
   Scenario document = scenario;
   put_in_order(document);
-  const Catalogue catalogue = catalogue_of(resources);
+  const Catalogue catalogue = catalogue_of(unlayered);
   Error problems = check_scenario(document, &catalogue);
   if (!problems.empty()) return fail(std::move(problems));
-  document = played_part(std::move(document));
+  Result<LayeredContent> layered = apply_layers(played_part(std::move(document)), unlayered);
+  if (!layered) return fail(std::move(layered.error()));
+  document = std::move(layered->scenario);
+  const Resources& resources = layered->resources;
 
   std::set<std::string> mechanisms, motions;
   for (const ScenarioCharacter& c : document.characters) {

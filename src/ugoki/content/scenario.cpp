@@ -6,6 +6,7 @@
 #include <set>
 
 #include "ugoki/base/number.h"
+#include "ugoki/content/layers.h"
 #include "ugoki/content/scenario_json.h"
 
 namespace ugoki::content {
@@ -154,6 +155,7 @@ class Checker {
     range(location + "/offset", clip.offset, 0, day, "s");
     range(location + "/speed", clip.speed, 0.01, 100, "");
     range(location + "/blend", clip.blend, 0, 60, "s");
+    check_layers(clip.layers, mechanism, location + "/layers", problems_);
     if (!is_id(clip.motion, max_resource_id)) {
       problems_.add(ErrorCode::syntax, location + "/motion", "'" + clip.motion + "' cannot be the id of a motion.",
                     "Choose a motion from the library.");

@@ -10,22 +10,34 @@
 
 #include "ugoki/base/result.h"
 #include "ugoki/content/rules.h"
+#include "ugoki/mechanism/joint.h"
+#include "ugoki/motion_edit/keyed_layer.h"
 #include "ugoki/spatial/vec3.h"
 
 namespace ugoki::content {
 
 inline constexpr int scenario_version = 1;
 
+/// Keys that a user set over the motion of a clip. The ids of the layers of one clip are different; two clips can have layers of the same
+/// id.
+struct ScenarioLayer {
+  std::string id, name;
+  bool on = true;  ///< false: the layer has no effect
+  motion_edit::KeyedLayer keyed;
+  friend bool operator==(const ScenarioLayer&, const ScenarioLayer&) = default;
+};
+
 /// A clip of a character's track, as stored in the document.
 struct ScenarioClip {
   std::string id;
-  std::string motion;  ///< id of a motion
-  double start = 0;    ///< s, start on the track
-  double length = 0;   ///< s, length on the track, above 0
-  double offset = 0;   ///< s, time in the motion at the clip's start
-  double speed = 1;    ///< s of motion per s of track
-  double blend = 0.3;  ///< s, duration of the cross-fade from the previous clip
-  bool loop = false;   ///< repeat a cyclic motion
+  std::string motion;                      ///< id of a motion
+  double start = 0;                        ///< s, start on the track
+  double length = 0;                       ///< s, length on the track, above 0
+  double offset = 0;                       ///< s, time in the motion at the clip's start
+  double speed = 1;                        ///< s of motion per s of track
+  double blend = 0.3;                      ///< s, duration of the cross-fade from the previous clip
+  bool loop = false;                       ///< repeat a cyclic motion
+  std::vector<ScenarioLayer> layers = {};  ///< applied to the motion, the first one first
   friend bool operator==(const ScenarioClip&, const ScenarioClip&) = default;
 };
 
@@ -157,6 +169,7 @@ struct MechanismFacts {
   int nq = 0;                              ///< count of position coordinates
   bool free_root = false;                  ///< true: the first joint is floating, so that the mechanism can be placed and thrown
   std::vector<std::string> links, labels;  ///< names of all links; labels of the links that have one
+  std::vector<JointType> joints;           ///< joint type of each link
 };
 /// Properties of a motion that check_scenario() needs.
 struct MotionFacts {

@@ -1,6 +1,7 @@
 #include "ugoki/content/scenario_json.h"
 
 #include "ugoki/circuit/migrate.h"
+#include "ugoki/content/layers.h"
 
 namespace ugoki::content {
 namespace {
@@ -56,6 +57,7 @@ void read_clip(Fields& f, ScenarioClip& out) {
   f.number("speed", out.speed);
   f.number("blend", out.blend);
   f.boolean("loop", out.loop);
+  if (f.has("layers")) read_layers(f, out.layers);
 }
 
 void read_place(Fields& f, ScenarioPlace& out) {
@@ -196,8 +198,14 @@ void read_circuit_field(Fields& f, Scenario& out) {
 }
 
 Json to_json(const ScenarioClip& c) {
-  return {{"id", c.id},         {"motion", c.motion}, {"start", c.start}, {"length", c.length},
-          {"offset", c.offset}, {"speed", c.speed},   {"blend", c.blend}, {"loop", c.loop}};
+  Json json = {{"id", c.id},         {"motion", c.motion}, {"start", c.start}, {"length", c.length},
+               {"offset", c.offset}, {"speed", c.speed},   {"blend", c.blend}, {"loop", c.loop}};
+  if (!c.layers.empty()) {
+    Json layers = Json::array();
+    for (const ScenarioLayer& layer : c.layers) layers.push_back(to_json(layer));
+    json["layers"] = std::move(layers);
+  }
+  return json;
 }
 
 Json to_json(const ScenarioCharacter& c) {

@@ -161,6 +161,9 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
     answered = false;
     return {};
   }
+  if (request.op == "pose") return poses_.pose(project_, request.json);
+  if (request.op == "curves") return poses_.curves(project_, request.json);
+  if (request.op == "joints") return PoseDesk::joints(project_, request.json);
   if (request.op == "remember") return remember(request);
   if (request.op == "breakpoints") return set_breakpoints(request);
   const bool physics = request.op == "mode"

@@ -22,6 +22,7 @@
 #include "ugoki/store/library.h"
 #include "ugoki/studio/interpreter_process.h"
 #include "ugoki/studio/outbox.h"
+#include "ugoki/studio/pose_desk.h"
 #include "ugoki/studio/task_queue.h"
 
 namespace ugoki::studio {
@@ -157,6 +158,7 @@ class Session {
   std::map<ClientId, std::vector<RequestPtr>> waiting_;  ///< project changes that wait for an earlier library request of the same page
   std::map<std::string, std::shared_ptr<MotionTask>> motion_tasks_;  ///< running operations on motions, by the name that the page gave
   TaskQueue motion_queue_;
+  PoseDesk poses_;
 
   std::unique_ptr<InterpreterProcess> process_;
   std::atomic<int> pid_ = -1;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "ugoki/base/number.h"
+#include "ugoki/content/layered_motions.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/samples/samples.h"
@@ -127,11 +128,19 @@ Result<void> Session::start_motion(const Request& request) {
   if (clip == character->track.end()) return Request::invalid_field("clip", "the id of a clip of that character");
   const content::Resources& resources = project_.resources();
   edit.mechanism = find_mechanism(character->mechanism);
-  const auto motion_of = [&](const content::ScenarioClip& c) {
+  // The operation works on the motion with its layers, and the clip that plays the result has none.
+  Error problems;
+  const auto motion_of = [&](content::ScenarioClip c) {
     const auto found = resources.motions.find(c.motion);
-    return ClipMotion{c, found != resources.motions.end() ? found->second : nullptr};
+    if (found == resources.motions.end() || !edit.mechanism) return ClipMotion{c, nullptr};
+    Result<MotionPtr> motion = content::layered_motion(c, *edit.mechanism, found->second);
+    c.layers.clear();
+    if (motion) return ClipMotion{c, std::move(*motion)};
+    problems = std::move(motion.error());
+    return ClipMotion{c, nullptr};
   };
   edit.target = motion_of(*clip);
+  if (!problems.empty()) return fail(std::move(problems));
   if (!edit.mechanism || !edit.target.motion)
     return fail(ErrorCode::unknown, "clip " + clip_id, "The project does not contain its motion or its mechanism.",
                 "Remove the clip and add the motion again.");
@@ -223,7 +232,7 @@ Result<std::string> Session::insert_motion(const MotionTask& task) {
     commands.push_back(std::move(add));
   } else {
     Json set = timing_of(made.clip);
-    set.update({{"type", "clip.set"}, {"character", on}, {"id", clip}, {"motion", id}});
+    set.update({{"type", "clip.set"}, {"character", on}, {"id", clip}, {"motion", id}, {"layers", Json::array()}});
     commands.push_back(std::move(set));
     if (task.edit.operation == "join") commands.push_back({{"type", "clip.remove"}, {"character", on}, {"id", task.edit.next.clip.id}});
   }

@@ -37,8 +37,10 @@ export class CommandRegistry {
     return [...(command.keys ?? []), ...((keymap === 'industry' ? command.industry : command.blender) ?? [])];
   }
 
+  /** The command of a key: the first that is enabled, otherwise the first. Tools, which are registered first, use keys of other commands. */
   by_key(key: string, keymap: KeymapName): AppCommand | undefined {
-    return this.all().find((command) => this.keys_of(command, keymap).includes(key));
+    const found = this.all().filter((command) => this.keys_of(command, keymap).includes(key));
+    return found.find((command) => command.enabled?.() !== false) ?? found[0];
   }
 
   /** Runs a command if it exists and is enabled. @return whether it was run */

@@ -4,6 +4,7 @@
  */
 import { apply_changes, type Change, type Circuit } from './circuit/form';
 import type { Vec3 } from './protocol';
+import { edit_keys, type KeyedLayer, type KeyName, type KeyPut } from './posing/keys';
 import type { Rule } from './rules';
 
 /** Place on the floor of a character's first frame, world frame, m. Without clips: place of its neutral pose. */
@@ -40,6 +41,8 @@ export interface Clip {
   /** Length of the cross-fade from the previous clip, s. */
   blend: number;
   loop: boolean;
+  /** Keys over the motion, applied in this order. Absent: there are none. */
+  layers?: KeyedLayer[];
 }
 
 export interface Character {
@@ -123,6 +126,11 @@ export type Command =
   | ({ type: 'clip.set'; character: string; id: string } & ClipFields)
   | { type: 'clip.remove'; character: string; id: string }
   | { type: 'clip.split'; character: string; id: string; time: number }
+  | { type: 'layer.add'; character: string; clip: string; value: Partial<Omit<KeyedLayer, 'joints'>>; at?: number }
+  | { type: 'layer.set'; character: string; clip: string; layer: string; value: Partial<Omit<KeyedLayer, 'id' | 'joints'>> }
+  | { type: 'layer.remove'; character: string; clip: string; layer: string }
+  | { type: 'layer.move'; character: string; clip: string; layer: string; at: number }
+  | { type: 'key.edit'; character: string; clip: string; layer: string; take?: KeyName[]; put?: KeyPut[]; label?: string }
   | { type: 'character.add'; mechanism: string; id?: string; name?: string; place?: Partial<Place>; color?: string; control?: Partial<Control> }
   | { type: 'character.set'; id: string; name?: string; color?: string; place?: Partial<Place>; control?: Partial<Control>; muted?: boolean; solo?: boolean; locked?: boolean }
   | { type: 'character.remove'; id: string }
@@ -168,6 +176,9 @@ export function track_end(character: Character): number {
   return character.track.reduce((end, k) => Math.max(end, k.start + k.length), 0);
 }
 
+const map_layers = (doc: ScenarioDocument, { character, clip }: { character: string; clip: string }, change: (layers: KeyedLayer[]) => KeyedLayer[]): ScenarioDocument =>
+  map_character(doc, character, (c) => ({ ...c, track: c.track.map((k) => (k.id === clip ? { ...k, layers: change(k.layers ?? []) } : k)) }));
+
 const map_character = (doc: ScenarioDocument, id: string, change: (c: Character) => Character): ScenarioDocument => ({
   ...doc,
   characters: doc.characters.map((c) => (c.id === id ? change(c) : c)),
@@ -183,11 +194,28 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
       const { type: _type, character, id, ...fields } = command;
       return map_character(doc, character, (c) => ({ ...c, track: c.track.map((k) => (k.id === id ? { ...k, ...fields } : k)) }));
     }
+    case 'layer.add': {
+      const { id, name = '', mode = 'additive', weight = 1, ease_in = null, ease_out = null, on = true } = command.value;
+      if (id === undefined) return doc;
+      const layer: KeyedLayer = { id, name, mode, weight, ease_in, ease_out, ...(on ? {} : { on }), joints: [] };
+      return map_layers(doc, command, (layers) => layers.toSpliced(command.at ?? layers.length, 0, layer));
+    }
+    case 'layer.set':
+      return map_layers(doc, command, (layers) => layers.map((l) => (l.id === command.layer ? { ...l, ...command.value } : l)));
+    case 'layer.remove':
+      return map_layers(doc, command, (layers) => layers.filter((l) => l.id !== command.layer));
+    case 'layer.move':
+      return map_layers(doc, command, (layers) => {
+        const moved = layers.find((l) => l.id === command.layer);
+        return moved ? layers.filter((l) => l !== moved).toSpliced(command.at, 0, moved) : layers;
+      });
+    case 'key.edit':
+      return map_layers(doc, command, (layers) => layers.map((l) => (l.id === command.layer ? edit_keys(l, command.take ?? [], command.put ?? []) : l)));
     case 'clip.add': {
-      const { type: _type, character, id, offset, length, speed, blend, loop, motion, start } = command;
+      const { type: _type, character, id, offset, length, speed, blend, loop, motion, start, layers } = command;
       // the service fills in missing fields, and the page does not know their values
       if (id === undefined || offset === undefined || length === undefined || speed === undefined || blend === undefined || loop === undefined) return doc;
-      const clip = { id, motion, start, length, offset, speed, blend, loop };
+      const clip = { id, motion, start, length, offset, speed, blend, loop, ...(layers ? { layers } : {}) };
       return map_character(doc, character, (c) => ({ ...c, track: [...c.track, clip].sort((a, b) => a.start - b.start) }));
     }
     case 'clip.remove':

@@ -190,6 +190,9 @@ export type Request =
   | ({ op: 'input' } & InputMessage)
   | { op: 'push'; character: string; link: number; force: Vec3; duration: number }
   | MotionRequest
+  | PoseRequest
+  | { op: 'curves'; character: string; clip: string; links: string[] }
+  | { op: 'joints'; mechanism: string }
   | { op: 'motion.cancel'; task: string };
 
 /**
@@ -207,6 +210,64 @@ export interface MotionRequest {
   /** Height of a human target body, m. */
   height?: number;
   sample?: 'dog' | 'human';
+}
+
+/** A change of a pose. Links are given by their index. */
+export type PoseEdit =
+  | { type: 'turn'; link: number; axis: Vec3; angle: number }
+  | { type: 'set'; link: number; dof: number; value: number }
+  | { type: 'reach'; link: number; point: Vec3; target: Vec3; moves: 'limb' | 'body' }
+  | { type: 'mirror' }
+  | { type: 'pose'; share: number; joints: { link: string; q: number[] }[] };
+
+export interface PoseRequest {
+  op: 'pose';
+  character: string;
+  clip: string;
+  /** Time of the scenario, s. */
+  time: number;
+  /** The layer that gets the keys; absent: a new layer above all others. */
+  layer?: string;
+  /** Joints that differ from the document's pose, as in `changed` of an earlier answer. */
+  from?: { link: number; q: number[] }[];
+  edit?: PoseEdit;
+  pins?: number[];
+  /** True: joints may pass their limits. */
+  free?: boolean;
+  /** Times of the scenario for which the poses of the document are also answered, s. */
+  ghosts?: number[];
+}
+
+export interface PoseReply {
+  /** Time in the motion, s. */
+  motion_time: number;
+  /** Packed poses of all links, 7 numbers each: x y z (m) qw qx qy qz. */
+  links: number[];
+  /** For each link the displacement of its DOFs from the neutral position, rad or m; empty for floating joints. */
+  angles: number[][];
+  changed: { link: number; q: number[] }[];
+  /** Keys of the layer that give this pose, for all joints. `moved`: the joint differs from the document's pose. */
+  keys: { link: string; part: 'joint' | 'rotation' | 'position'; value: number[]; moved: boolean }[];
+  /** Links that touch the ground at this time in the motion. */
+  planted: number[];
+  ghosts?: number[][];
+}
+
+export interface JointFacts {
+  type: string;
+  /** Limits (rad or m; null: none), maximum torque or force, and axis in the link's frame of each DOF. */
+  dofs: { lower: number | null; upper: number | null; effort: number | null; turns: boolean; axis: Vec3 }[];
+  /** Index of the link on the other side. */
+  mirror: number;
+}
+
+export interface CurvesReply {
+  /** Duration of the motion, s. */
+  duration: number;
+  /** Time of the first sample in the motion, and distance of the samples, s. */
+  from: number;
+  step: number;
+  curves: { link: string; part: 'joint' | 'rotation' | 'position'; base: number[][]; result: number[][] }[];
 }
 
 export type Vec3 = [number, number, number];

@@ -12,6 +12,7 @@ import { LogPanel } from './LogPanel';
 import { NaturalnessPanel } from './NaturalnessPanel';
 import { ClipMenu } from './motion/ClipMenu';
 import { MotionDialog } from './motion/MotionDialog';
+import { CurvesPanel } from './posing/CurvesPanel';
 import { Tasks } from './motion/Tasks';
 import { RulesPanel } from './rules/RulesPanel';
 import { ScenarioPanel } from './ScenarioPanel';
@@ -29,6 +30,7 @@ const components: Record<string, FunctionComponent> = {
   log: LogPanel,
   circuit: CircuitPanel,
   rules: RulesPanel,
+  curves: CurvesPanel,
 };
 
 const toggle_maximized = (api: { isMaximized(): boolean; maximize(): void; exitMaximized(): void }): void => (api.isMaximized() ? api.exitMaximized() : api.maximize());
@@ -87,7 +89,7 @@ function default_layout(api: DockviewApi): void {
 
 /** Adds the panels that layouts stored by older versions lack. */
 function add_missing(api: DockviewApi): void {
-  for (const [id, title, index] of [['circuit', 'Circuit', 1], ['rules', 'Rules', 2]] as const)
+  for (const [id, title, index] of [['curves', 'Curves', 1], ['circuit', 'Circuit', 2], ['rules', 'Rules', 3]] as const)
     if (!api.getPanel(id)) api.addPanel({ id, component: id, title, inactive: true, position: { referencePanel: 'scenario', direction: 'within', index } });
 }
 

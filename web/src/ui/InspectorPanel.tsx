@@ -7,9 +7,10 @@ import { describe_entry, format_length, format_mass } from '../core/library/word
 import type { LibraryEntry, Vec3 } from '../core/protocol';
 import { shown_document } from '../core/state';
 import { run } from './actions';
-import { session, useStudio } from './app';
+import { session, usePoser, useStudio } from './app';
 import { CircuitSelection } from './circuit/LsiInspector';
 import { MotionOperations } from './motion/ClipMenu';
+import { JointFields } from './posing/JointFields';
 import { EntryDetails } from './library/EntryDetails';
 import { ChoiceField, NumberField, SwitchField, TextField } from './NumberField';
 
@@ -25,6 +26,7 @@ export function InspectorPanel(): ReactElement {
   const selection = useStudio((s) => s.selection);
   const doc = useStudio(shown_document);
   useStudio((s) => s.library_revision);
+  const posing = usePoser((s) => s.on);
   if (!doc) return <div className="panel empty">No project is open yet.</div>;
   let body: ReactElement | null = null;
   if (selection.kind === 'clip') {
@@ -32,7 +34,7 @@ export function InspectorPanel(): ReactElement {
     if (clip) body = <ClipFieldsView key={clip.id} character={selection.character} clip={clip} entry={session.entry(clip.motion)} />;
   } else if (selection.kind === 'character') {
     const character = find_character(doc, selection.character);
-    if (character) body = <CharacterFields key={character.id} character={character} link={selection.link} doc={doc} />;
+    if (character) body = <CharacterFields key={character.id} character={character} link={selection.link} doc={doc} posing={posing} />;
   } else if (selection.kind === 'event') {
     const event = find_event(doc, selection.event);
     if (event) body = <EventFields key={event.id} event={event} doc={doc} />;
@@ -83,7 +85,7 @@ function ClipFieldsView({ character, clip, entry }: { character: string; clip: C
   );
 }
 
-function CharacterFields({ character, link, doc }: { character: Character; link: number | undefined; doc: ScenarioDocument }): ReactElement {
+function CharacterFields({ character, link, doc, posing }: { character: Character; link: number | undefined; doc: ScenarioDocument; posing: boolean }): ReactElement {
   const mechanism = useStudio((s) => s.mechanisms[character.mechanism]);
   const { place, control } = character;
   const set_place = (key: keyof typeof place) => {
@@ -92,6 +94,14 @@ function CharacterFields({ character, link, doc }: { character: Character; link:
   };
   const set_control = (fields: Partial<typeof control>): void => send({ type: 'character.set', id: character.id, control: fields });
   const active = control.mode === 'track';
+  const shown_link = link !== undefined ? mechanism?.links[link] : undefined;
+  const label = format_label(shown_link?.label || shown_link?.name || '');
+  const joint = shown_link && link !== undefined && (
+    <>
+      <LinkReadout character={character.id} link={link} label={label} joint={shown_link.joint} dofs={shown_link.dofs} />
+      <JointFields character={character.id} link={link} label={label} />
+    </>
+  );
   return (
     <>
       <h3>
@@ -102,6 +112,7 @@ function CharacterFields({ character, link, doc }: { character: Character; link:
           {format_length(mechanism.height)} · {format_mass(mechanism.mass)} · {mechanism.dofs} DOF
         </p>
       )}
+      {posing && joint}
       <TextField label="Name" value={character.name} on_commit={(name) => send({ type: 'character.set', id: character.id, name })} />
       <div className="field">
         <label htmlFor={`color-${character.id}`}>Colour</label>
@@ -131,7 +142,7 @@ function CharacterFields({ character, link, doc }: { character: Character; link:
           </div>
         </>
       )}
-      {link !== undefined && mechanism?.links[link] && <LinkReadout character={character.id} link={link} label={format_label(mechanism.links[link].label || mechanism.links[link].name)} joint={mechanism.links[link].joint} dofs={mechanism.links[link].dofs} />}
+      {!posing && joint}
       <div className="actions">
         <button type="button" title="Move the camera to show the character" onClick={() => run('view.frame')}>Frame</button>
         <button type="button" title="Add a push event at the playhead" onClick={() => run('edit.push')} disabled={doc.characters.length === 0}>Add push</button>

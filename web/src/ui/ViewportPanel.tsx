@@ -6,10 +6,12 @@ import { bar_fraction, grade, measures, shown_value } from '../core/judge';
 import { show_key } from '../core/keymap';
 import { selected_character } from '../core/state';
 import { PointerControl } from '../view/pointer';
+import { PoseView } from '../view/pose_view';
 import { Viewport } from '../view/viewport';
 import { add_character, append_motion, run, set_view } from './actions';
-import { page, parts, registry, session, useControls, usePage, useStudio } from './app';
+import { page, parts, poser, registry, session, useControls, usePage, useStudio } from './app';
 import { PlayControlsBar } from './PlayControlsBar';
+import { PoseHandles, PoseLabels, PoseTools } from './posing/PoseOverlay';
 import { ViewCube } from './ViewCube';
 
 export function ViewportPanel(): ReactElement {
@@ -33,6 +35,8 @@ export function ViewportPanel(): ReactElement {
       return;
     }
     const pointer = new PointerControl(made);
+    const posing = new PoseView(made, poser);
+    pointer.posing = posing;
     pointer.on_label = (text, x, y) => {
       const element = label.current;
       const box = host.current?.getBoundingClientRect();
@@ -46,13 +50,16 @@ export function ViewportPanel(): ReactElement {
     made.resize();
     parts.viewport = made;
     parts.pointer = pointer;
+    parts.posing = posing;
     set_viewport(made);
     return () => {
       observer.disconnect();
       pointer.dispose();
+      posing.dispose();
       made.dispose();
       parts.viewport = null;
       parts.pointer = null;
+      parts.posing = null;
     };
   }, []);
 
@@ -98,6 +105,9 @@ export function ViewportPanel(): ReactElement {
       )}
       <ViewOptionsBar />
       {viewport && <ViewCube viewport={viewport} />}
+      {viewport && <PoseHandles viewport={viewport} />}
+      {viewport && <PoseLabels viewport={viewport} />}
+      <PoseTools />
       {viewport && <Badges viewport={viewport} />}
       {viewport && <Distances viewport={viewport} />}
       <AssistCard />

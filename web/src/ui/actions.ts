@@ -9,7 +9,7 @@ import { reads_anything } from '../core/play_controls';
 import type { StudioState, ViewOptions } from '../core/state';
 import { RequestError, type ServiceError } from '../core/protocol';
 import { lowest_point } from '../view/character_view';
-import { access, circuit, parts, registry, session } from './app';
+import { access, circuit, parts, poser, registry, session } from './app';
 
 const state = (): StudioState => session.state;
 const has_document = (): boolean => state().document !== null;
@@ -330,6 +330,24 @@ const zoom_view = (factor: number) => (): void => {
   parts.viewport?.invalidate();
 };
 
+const posing = (): boolean => poser.state.on && poser.state.target !== null;
+const posed_link = (): string | null => {
+  const { target } = poser.state;
+  const link = parts.posing?.link;
+  return target && typeof link === 'number' ? (parts.viewport?.mechanism_of(target.character)?.links[link]?.name ?? null) : null;
+};
+
+/** Commands of posing. While a character is posed, they have priority over other commands of the same key. */
+const pose_commands: AppCommand[] = [
+  { id: 'pose.tool', label: 'Pose characters: rotate joints, drag hands and feet', group: 'Pose', keys: ['E'], enabled: () => (state().document?.characters.length ?? 0) > 0, run: () => poser.switch_on(!poser.state.on) },
+  { id: 'pose.key', label: 'Key the selected joint', group: 'Pose', industry: ['S'], blender: ['I'], enabled: posing, run: () => void poser.key_links(posed_link()) },
+  { id: 'pose.key_all', label: 'Key the whole character', group: 'Pose', industry: ['Shift+S'], blender: ['Shift+K'], enabled: posing, run: () => void poser.key_links(null) },
+  { id: 'pose.auto_key', label: 'Auto-key: every change of a pose sets keys', group: 'Pose', enabled: () => poser.state.on, run: () => poser.set_auto_key(!poser.state.auto_key) },
+  { id: 'pose.moves', label: 'Drag moves the limb or the whole body', group: 'Pose', keys: ['G'], enabled: () => poser.state.on, run: () => poser.set_moves(poser.state.moves === 'limb' ? 'body' : 'limb') },
+  { id: 'pose.pin', label: 'Pin the selected link, or remove its pin', group: 'Pose', keys: ['P'], enabled: () => posing() && typeof parts.posing?.link === 'number', run: () => poser.toggle_pin(poser.state.target!.character, parts.posing!.link!) },
+  { id: 'pose.mirror', label: 'Mirror the pose', group: 'Pose', keys: ['Shift+M'], enabled: posing, run: () => void poser.apply({ type: 'mirror' }, 'Mirror pose') },
+];
+
 const commands: AppCommand[] = [
   { id: 'file.new', label: 'New project…', group: 'Project', keys: ['Ctrl+Alt+N'], enabled: has_document, run: () => session.set({ dialog: 'new' }) },
   { id: 'file.open', label: 'Open project…', group: 'Project', keys: ['Ctrl+O'], enabled: has_document, run: () => session.set({ dialog: 'open' }) },
@@ -443,19 +461,20 @@ const commands: AppCommand[] = [
   } },
   { id: 'page.large', label: 'Maximise or restore the panel', group: 'Page', keys: ['Ctrl+Space'], run: () => parts.toggle_maximized() },
   { id: 'page.layout', label: 'Reset the layout', group: 'Page', run: () => parts.reset_layout() },
-  ...(['library', 'inspector', 'scenario', 'rules', 'circuit', 'naturalness', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
+  ...(['library', 'inspector', 'scenario', 'curves', 'rules', 'circuit', 'naturalness', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
   {
     id: 'page.escape', label: 'Close, release or deselect', group: 'Page', keys: ['Escape'],
     run: () => {
       if (state().dialog !== 'none') return session.set({ dialog: 'none' });
-      if (parts.pointer?.abandon()) return;
+      if (parts.pointer?.abandon() || poser.restore()) return;
+      if (poser.state.on && state().selection.kind === 'character') return poser.switch_on(false);
       session.select({ kind: 'none' });
     },
   },
 ];
 
 export function register_commands(): void {
-  registry.add(...commands);
+  registry.add(...pose_commands, ...commands);
 }
 
 export function run(id: string): void {

@@ -9,12 +9,14 @@ import type { CharacterState } from '../core/frames';
 import { LibraryBrowser, type BrowserState } from '../core/library/browser';
 import { ImportQueue, type ImportState } from '../core/library/imports';
 import { MotionDesk, type DeskState } from '../core/motion/desk';
+import { Poser, type PoserState } from '../core/posing/poser';
 import { Session } from '../core/session';
 import { shown_circuit, type StudioState } from '../core/state';
 import type { SocketLike } from '../core/client';
 import type { ImportView } from '../view/import_view';
 import type { Viewport } from '../view/viewport';
 import type { PointerControl } from '../view/pointer';
+import type { PoseView } from '../view/pose_view';
 
 export const access = new Access({
   fragment: () => location.hash,
@@ -78,6 +80,8 @@ export const desk = new MotionDesk({
   select: (selection) => session.select(selection),
 });
 
+export const poser = new Poser(session);
+
 // looks up, once each, the mechanisms and motions of the scenario that are not among the loaded library entries
 const requested = new Set<string>();
 session.store.subscribe((state, before) => {
@@ -120,9 +124,10 @@ export interface CircuitCanvas {
 }
 
 /** Mounted views and functions of panels; null or without effect while the panel is not mounted. */
-export const parts: { viewport: Viewport | null; pointer: PointerControl | null; fit_timeline: () => void; reset_layout: () => void; toggle_maximized: () => void; show_panel: (id: string) => void; choose_files: () => void; import_view: ImportView | null; circuit: CircuitCanvas | null } = {
+export const parts: { viewport: Viewport | null; pointer: PointerControl | null; posing: PoseView | null; fit_timeline: () => void; reset_layout: () => void; toggle_maximized: () => void; show_panel: (id: string) => void; choose_files: () => void; import_view: ImportView | null; circuit: CircuitCanvas | null; drawn_keys: () => { x: number; y: number }[] } = {
   viewport: null,
   pointer: null,
+  posing: null,
   fit_timeline: () => undefined,
   reset_layout: () => undefined,
   toggle_maximized: () => undefined,
@@ -130,6 +135,7 @@ export const parts: { viewport: Viewport | null; pointer: PointerControl | null;
   choose_files: () => undefined,
   import_view: null,
   circuit: null,
+  drawn_keys: () => [],
 };
 
 export function useStudio<T>(pick: (state: StudioState) => T): T {
@@ -154,6 +160,10 @@ export function useControls<T>(pick: (state: ReturnType<typeof session.controls.
 
 export function useDesk<T>(pick: (state: DeskState) => T): T {
   return useStore(desk.store, pick);
+}
+
+export function usePoser<T>(pick: (state: PoserState) => T): T {
+  return useStore(poser.store, pick);
 }
 
 export function usePage<T>(pick: (state: PageState) => T): T {

@@ -2,7 +2,7 @@
 import * as THREE from 'three';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, link_position } from '../core/frames';
 import { all_bad_spans } from './actions';
-import { circuit, imports, library, parts, session } from './app';
+import { circuit, imports, library, parts, poser, session } from './app';
 
 export interface PageHook {
   readonly connected: boolean;
@@ -44,6 +44,8 @@ export interface PageHook {
   camera(): { height: number; distance: number; azimuth: number } | null;
   /** Page position, px, of the centre of a link's first shape; null while it is not in view. */
   link_on_screen(character: string, link: number): { x: number; y: number } | null;
+  /** State of posing: whether the pose of the playhead is known, points of the first arc on the page (px), ghosts, and keys drawn in the curves panel (px in the canvas); null while the tool is off. */
+  posing(): { ready: boolean; pending: boolean; arc: { x: number; y: number; handle: boolean }[]; ghosts: number; drawn_keys: { x: number; y: number }[] } | null;
   /** Page position, px, of a point in the world frame (m). */
   to_screen(point: [number, number, number]): { x: number; y: number } | null;
 }
@@ -157,6 +159,16 @@ export function expose_hook(): void {
       const rotation = new THREE.Quaternion(f[at + 4], f[at + 5], f[at + 6], f[at + 3]);
       const middle = new THREE.Vector3(...(shape ? (shape.pose.slice(0, 3) as [number, number, number]) : ([0, 0, 0] as const)));
       return parts.viewport.to_client(middle.applyQuaternion(rotation).add(new THREE.Vector3(f[at], f[at + 1], f[at + 2])));
+    },
+    posing: () => {
+      const { on, reply, target, pending, ghosts } = poser.state;
+      if (!on) return null;
+      const to_page = (p: THREE.Vector3): { x: number; y: number } | null => parts.viewport?.to_client(p) ?? null;
+      const arc = parts.posing?.gizmo.first_arc().flatMap(({ point, handle }) => {
+        const at = to_page(point);
+        return at ? [{ ...at, handle }] : [];
+      });
+      return { ready: target !== null && reply !== null, pending, arc: arc ?? [], ghosts: ghosts?.poses.length ?? 0, drawn_keys: parts.drawn_keys() };
     },
     to_screen: (point) => parts.viewport?.to_client(new THREE.Vector3(...point)) ?? null,
   };

@@ -4,6 +4,7 @@ import './styles.css';
 import './panels.css';
 import './library/library.css';
 import './motion/motion.css';
+import './posing/posing.css';
 import { App } from './App';
 import { code_of } from '../core/access';
 import { register_commands } from './actions';

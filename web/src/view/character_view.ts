@@ -221,6 +221,8 @@ export function lowest_point(mechanism: MechanismData): number {
   return box.isEmpty() ? 0 : box.min.z;
 }
 
+const ghost_color = 0x8fb3c4;
+
 /** A ghost: the character at another time as an even, transparent silhouette. Depth is drawn first, so that inner surfaces stay hidden. */
 export class Ghost {
   readonly group = new THREE.Group();
@@ -234,7 +236,7 @@ export class Ghost {
   constructor(geometries: (THREE.BufferGeometry | null)[], order: number, surface: BodySurface | null) {
     this.depth_material = new THREE.MeshBasicMaterial({ colorWrite: false });
     this.color_material = new THREE.MeshStandardMaterial({
-      color: 0x8fb3c4,
+      color: ghost_color,
       roughness: 0.9,
       transparent: true,
       opacity: 0.2,
@@ -267,9 +269,19 @@ export class Ghost {
 
   /** Shows the character as in `frame`. @param opacity 0 ... 1 */
   show(frame: Frame, character: CharacterFrame, opacity: number): void {
+    this.place(frame.floats, character.poses, character.links, opacity, ghost_color);
+  }
+
+  /** Shows the character in packed poses of all links, 7 values each. */
+  show_poses(poses: ArrayLike<number>, opacity: number, color: number): void {
+    this.place(poses, 0, poses.length / 7, opacity, color);
+  }
+
+  private place(values: ArrayLike<number>, at: number, links: number, opacity: number, color: number): void {
     this.color_material.opacity = opacity;
-    for (let i = 0; i < character.links; i++) {
-      const pose = read_pose(frame.floats, character.poses + 7 * i);
+    this.color_material.color.set(color);
+    for (let i = 0; i < links; i++) {
+      const pose = read_pose(values, at + 7 * i);
       this.bones?.set(i, pose);
       for (const mesh of this.pairs[i] ?? []) place_mesh(mesh, pose);
     }

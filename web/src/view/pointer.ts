@@ -5,6 +5,7 @@ import { pointer_action } from '../core/keymap';
 import type { Vec3 } from '../core/protocol';
 import { selected_character } from '../core/state';
 import type { LinkTag } from './character_view';
+import type { PoseView } from './pose_view';
 import type { Viewport } from './viewport';
 
 const click_px = 4; // pointer travel, px, below which a press is a click
@@ -12,6 +13,7 @@ const click_px = 4; // pointer travel, px, below which a press is a click
 type Gesture =
   | { kind: 'orbit' | 'pan' | 'zoom'; empty: boolean }
   | { kind: 'press'; tag: LinkTag; point: THREE.Vector3 }
+  | { kind: 'pose' }
   | { kind: 'place'; character: string; from: THREE.Vector3; plane: THREE.Plane; delta: THREE.Vector3 }
   | { kind: 'pull'; tag: LinkTag; local: THREE.Vector3; plane: THREE.Plane };
 
@@ -22,6 +24,8 @@ export class PointerControl {
   private moved = false;
   private cursor: { x: number; y: number } | null = null;
   private readonly stop_drawing: () => void;
+  /** Takes presses on the posed character; null: nothing is posed. */
+  posing: PoseView | null = null;
   /** Called with the text to show beside the cursor (empty: none) and the position on the page, px. */
   on_label: (text: string, x: number, y: number) => void = () => undefined;
 
@@ -56,6 +60,7 @@ export class PointerControl {
     this.gesture = null;
     if (gesture.kind === 'pull') this.release();
     if (gesture.kind === 'place') this.viewport.show_offset(gesture.character, new THREE.Vector3());
+    if (gesture.kind === 'pose') this.posing?.cancel();
     return true;
   }
 
@@ -74,6 +79,10 @@ export class PointerControl {
       return;
     }
     const pick = viewport.pick(event.clientX, event.clientY);
+    if (this.posing?.down(event, pick)) {
+      this.gesture = { kind: 'pose' };
+      return;
+    }
     if (!pick) {
       this.gesture = { kind: 'orbit', empty: true };
       return;
@@ -116,6 +125,9 @@ export class PointerControl {
       case 'zoom':
         viewport.rig.zoom(Math.exp((dy - dx) * 0.006));
         break;
+      case 'pose':
+        this.posing?.move(event);
+        break;
       case 'press':
         this.begin_place(gesture.tag, gesture.point);
         break;
@@ -138,7 +150,11 @@ export class PointerControl {
     if (viewport.canvas.hasPointerCapture(event.pointerId)) viewport.canvas.releasePointerCapture(event.pointerId);
     if (gesture.kind === 'pull') this.release();
     else if (gesture.kind === 'place') this.end_place(gesture);
-    else if (gesture.kind === 'press' && !this.moved) {
+    else if (gesture.kind === 'pose') {
+      const link = this.posing?.up();
+      const character = selected_character(session.state);
+      if (character && typeof link === 'number') session.select({ kind: 'character', character, link });
+    } else if (gesture.kind === 'press' && !this.moved) {
       session.select({ kind: 'character', character: gesture.tag.character, link: gesture.tag.link });
     } else if ((gesture.kind === 'orbit' || gesture.kind === 'pan') && gesture.kind === 'orbit' && gesture.empty && !this.moved) {
       session.select({ kind: 'none' });
@@ -165,6 +181,12 @@ export class PointerControl {
   private hover(event: PointerEvent): void {
     if (event.pointerType === 'touch') return;
     const { viewport } = this;
+    if (this.posing?.hover(event)) {
+      viewport.hover(null);
+      viewport.canvas.style.cursor = 'grab';
+      this.on_label('', 0, 0);
+      return;
+    }
     const pick = viewport.pick(event.clientX, event.clientY);
     viewport.hover(pick);
     const { mode, playing } = viewport.session.state.transport;
@@ -198,7 +220,7 @@ export class PointerControl {
   private begin_place(tag: LinkTag, point: THREE.Vector3): void {
     const { viewport } = this;
     const { state } = viewport.session;
-    if (state.transport.mode !== 'edit' || selected_character(state) !== tag.character) {
+    if (state.transport.mode !== 'edit' || selected_character(state) !== tag.character || this.posing?.on) {
       this.gesture = { kind: 'orbit', empty: false };
       return;
     }

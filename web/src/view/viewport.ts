@@ -16,6 +16,8 @@ import { Arrow, assist_color, ContactDiscs, make_ring, Polyline, Segments, Sprin
 import { shadow_reach, Stage } from './stage';
 
 const ghost_offsets = [-0.8, -0.4, 0.4, 0.8]; // times of the ghosts relative to the current frame, s
+const earlier_color = 0x5f8fc4; // ghosts of a posed character, before and after the playhead
+const later_color = 0x9a79cf;
 const trail_seconds = 4; // time span of a trail, s
 const reach = 10; // maximum distance between the pointer and a link that is picked, px
 const max_contact_arrows = 48; // maximum number of contacts that are drawn with arrows
@@ -28,6 +30,8 @@ interface Drawn {
   trail: Polyline;
   /** Displacement from the position in the frames while the character's place is dragged, m. */
   offset: THREE.Vector3;
+  /** Packed poses of all links to draw instead of those of the frames; null: draw the frames. */
+  pose: Float32Array | null;
 }
 
 /** The link under the pointer, and the hit point in the world, m. */
@@ -53,6 +57,9 @@ export class Viewport {
   private readonly ring = make_ring();
   private readonly raycaster = new THREE.Raycaster();
   private readonly listeners = new Set<DrawListener>();
+  private readonly drawing_listeners = new Set<() => void>();
+  /** Ghosts of the posed character; null: ghosts are drawn from frames. */
+  private pose_ghosts: { character: string; poses: readonly (readonly number[])[] } | null = null;
   private readonly undo_subscriptions: (() => void)[] = [];
   /** True: something changed since the last drawn frame. */
   private dirty = true;
@@ -109,6 +116,12 @@ export class Viewport {
   on_draw(listener: DrawListener): () => void {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);
+  }
+
+  /** Calls `listener` before each frame is drawn. @return a function that removes the listener */
+  before_draw(listener: () => void): () => void {
+    this.drawing_listeners.add(listener);
+    return () => this.drawing_listeners.delete(listener);
   }
 
   resize(): void {
@@ -199,6 +212,22 @@ export class Viewport {
   show_offset(character: string, offset: THREE.Vector3): void {
     this.drawn.get(character)?.offset.copy(offset);
     this.invalidate();
+  }
+
+  /** Draws a character in a pose that is not in the frames; null: as in the frames. */
+  show_pose(pose: { character: string; links: readonly number[] } | null): void {
+    for (const [id, entry] of this.drawn) entry.pose = pose?.character === id ? Float32Array.from(pose.links) : null;
+    this.invalidate();
+  }
+
+  /** Draws the ghosts of the posed character from poses before and after the present one; null: from frames. */
+  show_pose_ghosts(ghosts: { character: string; poses: readonly (readonly number[])[] } | null): void {
+    this.pose_ghosts = ghosts;
+    this.invalidate();
+  }
+
+  mechanism_of(character: string): MechanismData | undefined {
+    return this.drawn.get(character)?.character_view.mechanism;
   }
 
   link_label(tag: LinkTag): string {
@@ -303,6 +332,7 @@ export class Viewport {
       assist: new Arrow(0x34d399, 0.011, true),
       trail: new Polyline(0xff9d5c, 1.6, 0.8),
       offset: new THREE.Vector3(),
+      pose: null,
     };
     this.stage.scene.add(entry.character_view.group, entry.assist.group, entry.trail.line, ...entry.ghosts.map((g) => g.group));
     return entry;
@@ -353,6 +383,7 @@ export class Viewport {
   private draw(frame: Frame | null, still: boolean): void {
     this.drawn_still = still;
     this.draw_overlays(frame);
+    for (const listener of this.drawing_listeners) listener();
     const { target, distance } = this.rig.current;
     this.stage.focus(target, shadow_reach(this.spheres(null), target, distance), distance);
     this.stage.render(this.rig.camera, still);
@@ -384,6 +415,7 @@ export class Viewport {
       states[character.id] = character_frame.state;
       if (!entry) return;
       entry.character_view.place(frame, character_frame);
+      if (entry.pose) entry.character_view.place_poses(entry.pose, 0, entry.pose.length / 7);
       entry.character_view.group.position.copy(entry.offset);
       entry.character_view.group.updateMatrixWorld(true);
     });
@@ -488,6 +520,15 @@ export class Viewport {
 
   private draw_ghosts(entry: Drawn, index: number, frame: Frame, on: boolean): void {
     const rate = this.session.state.document?.frame_rate ?? 60;
+    if (on && this.pose_ghosts) {
+      const poses = this.pose_ghosts.character === entry.character_view.character ? this.pose_ghosts.poses : [];
+      entry.ghosts.forEach((ghost, i) => {
+        const pose = poses[i];
+        if (pose) ghost.show_poses(pose, 0.24, i % 2 === 0 ? earlier_color : later_color);
+        else ghost.hide();
+      });
+      return;
+    }
     ghost_offsets.forEach((seconds, i) => {
       const ghost = entry.ghosts[i]!;
       const other = on ? this.session.frames.near(frame.number + Math.round(seconds * rate), 2) : undefined;

@@ -1,0 +1,33 @@
+#pragma once
+// Answers the requests `pose`, `curves` and `joints` of a page (docs/studio-protocol.md): poses of a character on its track, changed by
+// hand, and the keys that give these poses. Never changes the project.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "ugoki/base/result.h"
+#include "ugoki/content/layered_motions.h"
+#include "ugoki/json/json.h"
+#include "ugoki/project/project.h"
+
+namespace ugoki::studio {
+
+class PoseDesk {
+ public:
+  /// The pose of a character at a time, changed by the edit of the request. @return JSON fields of the answer, each with a comma before it
+  [[nodiscard]] Result<std::string> pose(const project::Project& project, const json::Json& request);
+  /// Joint curves of a clip with and without its layers.
+  [[nodiscard]] Result<std::string> curves(const project::Project& project, const json::Json& request);
+  /// Limits, axes and mirror partners of the joints of a mechanism.
+  [[nodiscard]] static Result<std::string> joints(const project::Project& project, const json::Json& request);
+
+ private:
+  [[nodiscard]] Result<const content::LayeredContent*> layered(const project::Project& project);
+
+  std::string path_;  ///< project and revision to which layered_ belongs
+  std::uint64_t revision_ = 0;
+  std::optional<content::LayeredContent> layered_;  ///< the document with all layers applied
+};
+
+}  // namespace ugoki::studio
