@@ -71,36 +71,49 @@ void MotionReference::sample(double t, std::span<double> q, std::span<double> v,
   ugoki::sample(clip_, motion_, *mechanism_, t, q, v, a);
 }
 
+namespace {
+
+/// The character and the ground around it.
+struct Surroundings {
+  Surroundings(const MechanismPtr& mechanism, const RunSettings& settings, const Vec3& start, const Vec3& direction, const Vec3& middle)
+      : centre(middle),
+        ground{settings.terrain.level() ? 0.0 : -1000.0, settings.friction, 0},
+        systems(settings.terrain.level()
+                    ? std::vector{mechanism}
+                    : std::vector{mechanism, make_terrain(settings.terrain, start, direction, middle, settings.friction)}),
+        scene(systems, ground, {true, true, settings.self_collision}),
+        workspace(scene),
+        stepper(systems, {}),
+        guard(scene, stepper) {}
+  [[nodiscard]] control::GroundMap map() const { return {systems, 0, ground.height}; }
+
+  Vec3 centre;  // m, world: where the terrain was built
+  collision::Ground ground;
+  std::vector<MechanismPtr> systems;
+  collision::Scene scene;
+  collision::Workspace workspace;
+  contact::Stepper stepper;
+  contact::GuardedStep guard;
+};
+
+}  // namespace
+
 Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::ReferenceMotion>& reference, const RunSettings& settings) {
   const Mechanism& m = *mechanism;
   State state(m);
   std::vector<double> a(state.v.size()), error(state.v.size());
-  std::vector<MechanismPtr> systems{mechanism};
-  collision::Ground ground;
-  ground.friction = settings.friction;
-  if (!settings.terrain.level()) {
-    reference->sample(reference->end(), state.q, state.v, a);
-    const Vec3 last{state.q[0], state.q[1], 0};
-    reference->sample(0, state.q, state.v, a);
-    const Vec3 start{state.q[0], state.q[1], 0};
-    systems.push_back(
-        make_terrain(settings.terrain, start, normalized(last - start, {1, 0, 0}), norm(last - start) + 5, settings.friction));
-    ground.height = -1000;
-  }
   reference->sample(0, state.q, state.v, a);
   const Vec3 start{state.q[0], state.q[1], 0};
-  collision::SceneOptions scene_options;
-  scene_options.self_collision = settings.self_collision;
-  collision::Scene scene(systems, ground, scene_options);
-  collision::Workspace workspace(scene);
-  contact::Stepper stepper(systems, {});
-  contact::GuardedStep guard(scene, stepper);
-  control::BalanceControl control(mechanism, reference, settings.control);
+  reference->sample(reference->end(), state.q, state.v, a);
+  const Vec3 direction = normalized(Vec3{state.q[0], state.q[1], 0} - start, {1, 0, 0});
+  reference->sample(0, state.q, state.v, a);
+  auto place = std::make_unique<Surroundings>(mechanism, settings, start, direction, start);
+  control::BalanceControl control(mechanism, reference, settings.control, 0, place->map());
   control::BalanceState memory;
   std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
   const std::vector<Pose> fixed(1);
   std::vector<std::span<const Pose>> poses{X};
-  if (systems.size() > 1) poses.push_back(fixed);
+  if (place->systems.size() > 1) poses.push_back(fixed);
   std::vector<collision::ContactPoint> contacts;
   int chest = 0;
   for (int i = 0; i < m.link_count(); ++i)
@@ -132,9 +145,14 @@ Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::
     const double t = static_cast<double>(k) * settings.dt;
     if (memory.time >= reference->end()) break;
     const double t0 = processor_time();
+    const Vec3 here{state.q[0], state.q[1], 0};
+    if (place->systems.size() > 1 && norm(here - place->centre) > 0.5 * terrain_radius) {
+      place = std::make_unique<Surroundings>(mechanism, settings, start, direction, here);
+      control.set_ground(place->map());
+    }
     calc_poses(m, state.q, X);
-    workspace.forget();
-    collision::find_contacts(scene, poses, 0.02, workspace, contacts);
+    place->workspace.forget();
+    collision::find_contacts(place->scene, poses, 0.02, place->workspace, contacts);
     const double t1 = processor_time();
     const control::BalanceOutput result = control.step({state.q, state.v, contacts, 0, settings.dt}, memory, state.tau);
     const double t2 = processor_time();
@@ -146,8 +164,8 @@ Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::
       state.external[static_cast<std::size_t>(chest)] = {cross(p, settings.push.force), settings.push.force};
     }
     contact::StepSystem stepped[2] = {{state.q, state.v, state.tau, state.external, {}, {}}, {}};
-    guard.forget();
-    const contact::StepReport report = guard.step(std::span(stepped).first(systems.size()), contacts, settings.dt);
+    place->guard.forget();
+    const contact::StepReport report = place->guard.step(std::span(stepped).first(place->systems.size()), contacts, settings.dt);
     total_time += processor_time() - t0;
     control_time += t2 - t1;
     if (report.status != contact::StepStatus::ok) {

@@ -13,9 +13,11 @@ struct Terrain {
   [[nodiscard]] bool level() const { return slope == 0 && steps == 0 && tiles == 0; }
 };
 
-/// Returns fixed boxes that form the terrain. Around `start` the terrain is level at height 0.
-/// @param start m, world @param direction unit, horizontal: direction of the walk @param length m: length of the terrain
-/// @param friction Coulomb coefficient
-MechanismPtr make_terrain(const Terrain& terrain, const Vec3& start, const Vec3& direction, double length, double friction);
+/// m: distance from the centre of a terrain to its border. Slopes are larger.
+constexpr double terrain_radius = 10;
+
+/// Returns fixed boxes that form the part of an endless terrain around `centre`. Around `start` the terrain is level at height 0.
+/// @param start, centre m, world @param direction unit, horizontal: direction of the walk @param friction Coulomb coefficient
+MechanismPtr make_terrain(const Terrain& terrain, const Vec3& start, const Vec3& direction, const Vec3& centre, double friction);
 
 }  // namespace ugoki::bench

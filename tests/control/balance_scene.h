@@ -51,9 +51,9 @@ inline Motion motion_of(const body::Body& body, const MeasuredMotion& measured) 
 struct Simulation {
   MechanismPtr m;
   std::shared_ptr<const ReferenceMotion> reference;
+  std::vector<MechanismPtr> systems;
   BalanceControl control;
   BalanceState memory;
-  std::vector<MechanismPtr> systems;
   collision::Scene scene;
   collision::Workspace workspace{scene};
   contact::Stepper stepper;
@@ -69,8 +69,8 @@ struct Simulation {
   Simulation(MechanismPtr mechanism, std::shared_ptr<const ReferenceMotion> motion, MechanismPtr terrain = nullptr)
       : m(std::move(mechanism)),
         reference(std::move(motion)),
-        control(m, reference, {}),
         systems(terrain ? std::vector{m, terrain} : std::vector{m}),
+        control(m, reference, {}, 0, GroundMap(systems, 0, terrain ? -100.0 : 0.0)),
         scene(systems, collision::Ground{terrain ? -100.0 : 0.0}),
         stepper(systems, {}) {
     std::vector<double> a(state.v.size());

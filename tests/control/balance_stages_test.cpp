@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "balance_scene.h"
+#include "ugoki/control/ground_plan.h"
 #include "ugoki/control/reference_anchor.h"
 #include "ugoki/motion/clip.h"
 #include "ugoki/spatial/elementary.h"
@@ -135,7 +136,6 @@ TEST(ReferenceAnchor, FollowsTheFootThatStaysAndNotTheFootThatLanded) {
   ASSERT_TRUE(model.schedule.at(left, 1.3).stands);
   ASSERT_FALSE(model.schedule.at(left, 2.5).stands);
   ASSERT_TRUE(model.schedule.at(1 - left, 1.3).stands);
-  GroundSupport support(model);
   ReferenceAnchor anchor;
   BalanceState state;
   state.feet[0].stands = state.feet[1].stands = 1;
@@ -149,7 +149,7 @@ TEST(ReferenceAnchor, FollowsTheFootThatStaysAndNotTheFootThatLanded) {
   model.centroid = dynamics::calc_centroidal(*model.mechanism, model.now);
   const Vec3 offset = horizontal(model.sole(left) - model.reference_sole(left));
   ASSERT_GT(norm(offset), 0.05);
-  anchor.update(model, support, model.options.anchor_time, state);
+  anchor.update(model, model.options.anchor_time, state);
   EXPECT_LT(std::hypot(state.x, state.y), 0.15 * norm(offset));
 }
 
@@ -255,6 +255,45 @@ TEST(BalanceControl, WalksUphill) {
   }
   EXPECT_GT(s.memory.z, 0.1);  // m: the character has climbed
   EXPECT_NEAR(s.memory.tilt[0], std::tan(4 * pi / 180), 0.03);
+}
+
+TEST(BalanceControl, ClimbsAStep) {
+  // The floor is 8 cm higher from x = 2 m on. Without the map of the ground, the foot hits the step with its tip.
+  const Walker w;
+  LinkSpec link;
+  link.name = "step";
+  link.joint.type = JointType::fixed;
+  link.shapes.push_back(Shape::box({20, 20, 0.5}, {Mat3::identity(), {22, 0, 0.08 - 0.5}}));
+  link.shapes.push_back(Shape::box({20, 20, 0.5}, {Mat3::identity(), {-18, 0, -0.5}}));
+  MechanismSpec spec;
+  spec.name = "step";
+  spec.links.push_back(std::move(link));
+  Simulation s(w.body, w.walk, 20, Mechanism::make(std::move(spec)).value());
+  for (int i = 0; i < 2000; ++i) {
+    s.step();
+    if (HasFatalFailure()) return;
+    ASSERT_LT(s.below(), 0.2) << "time " << 0.002 * i;
+  }
+  EXPECT_GT(s.state.q[0], 3);  // m
+  EXPECT_NEAR(s.memory.z, 0.08, 1e-3);
+}
+
+TEST(GroundPlan, PathMeetsBothPlacesAndItsRateIsItsDerivative) {
+  BalanceState::FootState foot;
+  foot.from[2] = 0.2;
+  foot.to[0] = 0.6;
+  foot.to[1] = 0.2;
+  foot.to[2] = 0.35;
+  foot.bump = 0.1;
+  EXPECT_NEAR(GroundPlan::path(foot, {0, 0, 9}, {}, 0.5).height, 0.2, 1e-12);
+  EXPECT_NEAR(GroundPlan::path(foot, {0.6, 0.2, 9}, {}, 0.5).height, 0.35, 1e-12);
+  EXPECT_NEAR(GroundPlan::path(foot, {0.3, 0.1, 9}, {}, 0.5).height, 0.275 + 0.1, 1e-12);
+  const Vec3 v{0.7, -0.2, 0};  // m/s
+  constexpr double h = 1e-6;   // s
+  for (const Vec3& p : {Vec3{0.1, 0, 0}, Vec3{0.35, 0.2, 0}, Vec3{0.5, 0.1, 0}}) {
+    const double change = GroundPlan::path(foot, p + v * h, v, 0).height - GroundPlan::path(foot, p - v * h, v, 0).height;
+    EXPECT_NEAR(GroundPlan::path(foot, p, v, 0).rate, change / (2 * h), 1e-6);
+  }
 }
 
 TEST(BalanceControl, DogTrotsWithoutAssist) {

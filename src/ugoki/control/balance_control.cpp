@@ -10,8 +10,11 @@
 namespace ugoki::control {
 
 BalanceControl::BalanceControl(MechanismPtr mechanism, std::shared_ptr<const ReferenceMotion> reference, const BalanceOptions& options,
-                               double floor)
-    : model_(std::move(mechanism), std::move(reference), options, floor), support_(model_), program_(model_) {}
+                               double floor, std::optional<GroundMap> ground)
+    : model_(std::move(mechanism), std::move(reference), options, floor, ground ? std::move(*ground) : GroundMap(floor)),
+      support_(model_),
+      ground_(model_),
+      program_(model_) {}
 
 BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, std::span<double> tau) {
   const Mechanism& m = *model_.mechanism;
@@ -24,7 +27,8 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
   model_.sample_reference(state);
   support_.collect(model_, in);
   update_phase(model_, support_, in.dt, state);
-  anchor_.update(model_, support_, in.dt, state);
+  anchor_.update(model_, in.dt, state);
+  ground_.update(model_, support_, in.dt, state);
   model_.sample_reference(state);
   support_.find_bearing(model_, state);
 
@@ -37,7 +41,7 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
   Vec3 e_rate = model_.centroid.velocity - model_.want.velocity - anchor_.rate() * (1 - exp(-w0 * anchor_.rest()));
   // On a slope, the centre of mass rises with the ground.
   e.z -= model_.ground_rise(state, model_.centroid.centre);
-  e_rate.z -= anchor_.climb() + state.tilt[0] * model_.centroid.velocity.x + state.tilt[1] * model_.centroid.velocity.y;
+  e_rate.z -= ground_.climb() + state.tilt[0] * model_.centroid.velocity.x + state.tilt[1] * model_.centroid.velocity.y;
   out.dcm_error = horizontal(e + e_rate / w0);
   Vec3 acceleration = model_.want_rate.v / m.mass() - e * (w0 * o.com_gain) - e_rate * (w0 + o.com_gain);
   acceleration.z = model_.want_rate.v.z / m.mass() - e.z * o.height_frequency * o.height_frequency - e_rate.z * 2 * o.height_frequency;

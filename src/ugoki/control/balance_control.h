@@ -5,8 +5,9 @@
 //   1. Phase (foot_phase.h). The controller advances the time of the reference: at rate 1, and faster after a foot has landed early. A foot
 //      lifts when its counterpart in the reference lifts, and stands when it touches the ground. A foot that lands late is pressed down.
 //      In a flight, the time of the reference runs so that reference and character land together.
-//   2. Anchor (reference_anchor.h). The reference is displaced so that its standing feet coincide with the real ones, also in height. No
-//      force draws the character back to the original path of the reference.
+//   2. Anchor (reference_anchor.h) and ground (ground_plan.h). The reference is displaced so that its standing feet coincide with the real
+//      ones. No force draws the character back to the original path of the reference. The heights of the body and of the footholds
+//      follow a map of the ground.
 //   3. Centre of mass. With the error e of the centre of mass from the anchored reference, w0 = sqrt(g / height) and a gain k:
 //        c'' = c''_ref - w0 k e - (w0 + k) e'     in the horizontal plane
 //      This is the control law p = p_ref + (1 + k / w0) (xi - xi_ref) of the divergent component of motion (DCM) xi = c + c' / w0.
@@ -23,6 +24,7 @@
 // measured motions that grows with the phase; Abe, da Silva, Popovic (2007), de Lasa et al. (2010), whole-body quadratic programs.
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,6 +32,7 @@
 #include "ugoki/control/balance_program.h"
 #include "ugoki/control/balance_types.h"
 #include "ugoki/control/foot_schedule.h"
+#include "ugoki/control/ground_plan.h"
 #include "ugoki/control/ground_support.h"
 #include "ugoki/control/reference_anchor.h"
 #include "ugoki/control/step_planner.h"
@@ -40,9 +43,15 @@ namespace ugoki::control {
 class BalanceControl {
  public:
   /// @param reference motion of this mechanism; the controller keeps the pointer
-  BalanceControl(MechanismPtr mechanism, std::shared_ptr<const ReferenceMotion> reference, const BalanceOptions& options, double floor = 0);
+  /// @param floor m: height of the floor on which the reference was recorded
+  /// @param ground the ground on which the character walks; nothing: the level floor
+  BalanceControl(MechanismPtr mechanism, std::shared_ptr<const ReferenceMotion> reference, const BalanceOptions& options, double floor = 0,
+                 std::optional<GroundMap> ground = std::nullopt);
   /// Computes the drive torques of one tick. @param tau [nv, out] N | N m, zero for the root
   BalanceOutput step(const BalanceInput& input, BalanceState& state, std::span<double> tau);
+
+  /// Replaces the ground on which the character walks. The schedule of the feet stays.
+  void set_ground(GroundMap ground) { model_.map = std::move(ground); }
 
   /// [nq] reference of the last tick, displaced by the anchor.
   [[nodiscard]] std::span<const double> reference() const { return model_.q_ref; }
@@ -56,6 +65,7 @@ class BalanceControl {
   BalanceModel model_;
   GroundSupport support_;
   ReferenceAnchor anchor_;
+  GroundPlan ground_;
   StepPlanner planner_;
   BalanceProgram program_;
 };

@@ -1,5 +1,7 @@
 #include "ugoki/control/balance_model.h"
 
+#include <algorithm>
+
 #include "ugoki/base/check.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/clip.h"
@@ -16,13 +18,15 @@ SmoothStep smooth_step(double x) {
   return {x * x * x * (10 + x * (6 * x - 15)), 30 * x * x * (1 - x) * (1 - x), 60 * x * (1 - x) * (1 - 2 * x)};
 }
 
-BalanceModel::BalanceModel(MechanismPtr m, std::shared_ptr<const ReferenceMotion> reference, const BalanceOptions& settings, double ground)
+BalanceModel::BalanceModel(MechanismPtr m, std::shared_ptr<const ReferenceMotion> reference, const BalanceOptions& settings, double level,
+                           GroundMap ground)
     : mechanism(std::move(m)),
       motion(std::move(reference)),
       options(settings),
       feet(feet_of(*mechanism)),
-      schedule(*mechanism, feet, *motion, ground),
-      floor(ground),
+      schedule(*mechanism, feet, *motion, level),
+      floor(level),
+      map(std::move(ground)),
       now(*mechanism),
       ref(*mechanism) {
   UGOKI_CHECK(mechanism->link_count() > 0 && mechanism->link(0).joint.type == JointType::floating);
@@ -49,7 +53,7 @@ BalanceModel::BalanceModel(MechanismPtr m, std::shared_ptr<const ReferenceMotion
 void BalanceModel::sample_reference(const BalanceState& state) {
   const Mechanism& m = *mechanism;
   motion->sample(state.time, q_ref, v_ref, a_ref);
-  displace_root(m, {state.x, state.y, state.z, state.heading}, q_ref);
+  displace_root(m, {state.x, state.y, state.z - state.lower, state.heading}, q_ref);
   const Joint& root = m.link(0).joint;
   const Mat3 turn = root.X_PJ.R.transposed() * rotation_about({0, 0, 1}, state.heading) * root.X_PJ.R;
   for (std::vector<double>* x : {&v_ref, &a_ref}) {
@@ -68,6 +72,11 @@ void BalanceModel::sample_reference(const BalanceState& state) {
 
 Vec3 BalanceModel::left() const { return normalized(horizontal(now.X_WB[0].R * transpose_times(rest_pelvis, Vec3{0, 1, 0})), {0, 1, 0}); }
 
+double BalanceModel::map_height(const BalanceState& state, const Vec3& p) const {
+  const double near = floor + state.z + ground_rise(state, p), step = max_step(state);
+  return std::max(map.below({p.x, p.y, near + step}).height, near - step);
+}
+
 const Flight* BalanceModel::flight(const BalanceState& state) const {
   for (std::size_t f = 0; f < feet.size(); ++f)
     if (state.feet[f].stands) return nullptr;
@@ -77,9 +86,20 @@ const Flight* BalanceModel::flight(const BalanceState& state) const {
 void BalanceModel::lift(std::size_t f, BalanceState& state) const {
   BalanceState::FootState& foot = state.feet[f];
   foot.stands = foot.early = foot.reacts = 0;
-  const Vec3 p = sole(f) - reference_sole(f);
-  for (int k = 0; k < 3; ++k) foot.offset[k] = p[k];
-  foot.shift[0] = foot.shift[1] = 0;
+  const Vec3 here = sole(f), p = here - reference_sole(f);
+  foot.from[0] = here.x;
+  foot.from[1] = here.y;
+  foot.from[2] = map_height(state, here) + state.loose;
+  for (int k = 0; k < 3; ++k) {
+    foot.offset[k] = p[k];
+    foot.to[k] = foot.from[k];
+  }
+  foot.offset[2] += floor + state.z - state.lower - foot.from[2];
+  for (int k = 0; k < 2; ++k) {
+    foot.shift[k] = foot.place[k] = 0;
+    foot.tilt[k] = state.tilt[k];
+  }
+  foot.bump = 0;
 }
 
 }  // namespace ugoki::control

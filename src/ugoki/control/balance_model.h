@@ -6,6 +6,7 @@
 
 #include "ugoki/control/balance_types.h"
 #include "ugoki/control/foot_schedule.h"
+#include "ugoki/control/ground_map.h"
 #include "ugoki/dynamics/centroidal.h"
 #include "ugoki/dynamics/dynamics.h"
 
@@ -23,7 +24,8 @@ struct SmoothStep {
 
 /// Data of a character that do not change, and the kinematics of the character and of its reference in the present tick.
 struct BalanceModel {
-  BalanceModel(MechanismPtr mechanism, std::shared_ptr<const ReferenceMotion> motion, const BalanceOptions& options, double floor);
+  BalanceModel(MechanismPtr mechanism, std::shared_ptr<const ReferenceMotion> motion, const BalanceOptions& options, double floor,
+               GroundMap ground = GroundMap());
 
   /// Samples the reference at state.time, displaced by the anchor of `state`, and computes its kinematics.
   void sample_reference(const BalanceState& state);
@@ -35,6 +37,10 @@ struct BalanceModel {
   [[nodiscard]] double ground_rise(const BalanceState& state, const Vec3& p) const {
     return state.tilt[0] * (p.x - state.ground[0]) + state.tilt[1] * (p.y - state.ground[1]);
   }
+  /// m: ground that is higher or lower than this above the ground at the standing feet is no foothold.
+  [[nodiscard]] double max_step(const BalanceState& state) const { return options.max_step * (want.centre.z - floor - state.z); }
+  /// m, world: height of the ground at p in the map; at most max_step() below the ground at the character.
+  [[nodiscard]] double map_height(const BalanceState& state, const Vec3& p) const;
   /// Unit, horizontal: direction to the left of the pelvis. In the neutral position, the pelvis faces x and its left is y.
   [[nodiscard]] Vec3 left() const;
   /// Flight of the reference, if no foot of the character stands either; otherwise null.
@@ -47,7 +53,8 @@ struct BalanceModel {
   BalanceOptions options;
   std::vector<Foot> feet;
   FootSchedule schedule;
-  double floor = 0;                   // m
+  double floor = 0;  // m: of the reference
+  GroundMap map;
   int chest = -1;                     // link; -1: none
   std::vector<unsigned char> is_leg;  // [nv]
   std::vector<int> part_of;           // [links] index of the foot that contains the link; -1: none

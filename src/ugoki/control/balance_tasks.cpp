@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ugoki/control/ground_plan.h"
 #include "ugoki/dynamics/jacobian.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/spatial/elementary.h"
@@ -24,13 +25,13 @@ void add_point_rows(const BalanceModel& model, int link, const Vec3& p, const Ve
   }
 }
 
-/// Orientation of a foot in the reference, turned with the slope of the ground. A nearly level sole is made level, because measured soles
-/// are tilted by a few degrees in stance.
-Mat3 levelled(const BalanceModel& model, const BalanceState& state, std::size_t f) {
+/// Orientation of a swing foot in the reference, turned with the slope of its foothold. A nearly level sole is made level, because measured
+/// soles are tilted by a few degrees in stance.
+Mat3 levelled(const BalanceModel& model, const BalanceState::FootState& foot, std::size_t f) {
   const Mat3& R = model.ref.X_WB[at(model.feet[f].link)].R;
   const Vec3 normal = R * model.feet[f].normal, axis = cross(normal, Vec3{0, 0, 1});
   const double tilt = atan2(norm(axis), normal.z);
-  const Vec3 ground = normalized(Vec3{-state.tilt[0], -state.tilt[1], 1}), slope_axis = cross(Vec3{0, 0, 1}, ground);
+  const Vec3 ground = normalized(Vec3{-foot.tilt[0], -foot.tilt[1], 1}), slope_axis = cross(Vec3{0, 0, 1}, ground);
   const double slope = norm(slope_axis);
   const Mat3 incline = slope > 1e-9 ? rotation_about(slope_axis / slope, atan2(slope, ground.z)) : Mat3::identity();
   if (tilt < 1e-9 || tilt > model.options.steep) return incline * R;
@@ -76,7 +77,7 @@ void add_swing_task(const BalanceModel& model, std::size_t f, const BalanceState
   for (const int i : dynamics::chain_of_link(model.ref, foot.link))
     a += (model.ref.S[at(i)].v + cross(model.ref.S[at(i)].w, p_ref - model.ref.p0)) * model.a_ref[at(i)];
   const Vec3 offset{memory.offset[0], memory.offset[1], memory.offset[2]},
-      shift{memory.shift[0], memory.shift[1], model.ground_rise(state, p_ref)};
+      shift{memory.shift[0] + memory.place[0], memory.shift[1] + memory.place[1], 0};
   const double up = 4 * phase * (1 - phase), down = std::clamp((phase - 0.7) / 0.3, 0.0, 1.0);
   // In flight, the legs keep their posture relative to the centre of mass. Both flights end at the same height.
   const double flight = model.flight(state) ? model.centroid.centre.z - model.want.centre.z : 0;
@@ -85,7 +86,10 @@ void add_swing_task(const BalanceModel& model, std::size_t f, const BalanceState
       Vec3{0, 0, flight + (memory.reacts ? model.options.step_clearance : model.options.clearance) * up - model.options.aim_depth * down};
   const Vec3 v_ref = dynamics::point_velocity(model.ref, foot.link, p_ref);
   Vec3 speed = v_ref + (shift - offset) * s.rate;
-  speed.z += (state.tilt[0] * v_ref.x + state.tilt[1] * v_ref.y) * s.value;
+  // The height of the foot above the ground is that of the reference.
+  const GroundPlan::Path ground = GroundPlan::path(memory, goal, speed, phase);
+  goal.z += ground.height - model.floor - state.z + state.lower;
+  speed.z += ground.rate;
   a += (shift - offset) * s.acceleration;
   const double w = model.options.swing_frequency;
   const Vec3 v = dynamics::point_velocity(model.now, foot.link, p);
@@ -93,7 +97,7 @@ void add_swing_task(const BalanceModel& model, std::size_t f, const BalanceState
   if (late) target.z = model.options.sole_damping * (-model.options.press_speed - v.z);
   const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   add_point_rows(model, foot.link, p, target, model.options.swing_weight, axes, program);
-  add_turn_task(model, foot.link, levelled(model, state, f), w, model.options.swing_turn_weight, program);
+  add_turn_task(model, foot.link, levelled(model, memory, f), w, model.options.swing_turn_weight, program);
 }
 
 void add_standing_foot(const BalanceModel& model, const GroundSupport& support, std::size_t f, QuadraticProgram& program) {

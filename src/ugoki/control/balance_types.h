@@ -32,6 +32,11 @@ struct BalanceOptions {
   double lifted = 0.01;       ///< m: no load on a rising point that, in the reference, is this much higher than the foot's lowest point
   double anchor_time = 0.04;  ///< s: time constant with which the anchor follows the foot
   double ground_time = 0.1;   ///< s: time constant with which the height and the slope of the reference's ground follow the real ground
+  double leg_share = 1;       ///< the body is lowered if a leg would be longer than this share of its maximum length in the reference
+  double lower_time = 0.05;   ///< s: time constant of this lowering
+  double max_step = 0.3;      ///< ground higher or lower than this share of the height of the centre of mass is no foothold
+  double move_cost = 0.3;     ///< m: unevenness that a foothold may have, for each m by which it would move to even ground
+  double choose_until = 0.7;  ///< phase of the swing up to which a foothold moves to even ground
   double heading_time = 0.2;  ///< s: time constant of the anchor's heading; 0: the heading is not anchored
   double turn_time = 0.1;     ///< s: time constant with which a foot that turns on the ground follows the heading of its reference
   double shift_growth = 1.5;  ///< 1/s: assumed growth rate of the DCM error until touch-down; without ankle torques the rate is w0
@@ -69,6 +74,11 @@ struct BalanceState {
     double lost = 0;               ///< s: time for which the standing foot has had no ground contact
     double offset[3] = {0, 0, 0};  ///< m, world: position of the foot minus that in the reference, when the foot left the ground
     double shift[2] = {0, 0};      ///< m, world: shift of the next touch-down
+    double place[2] = {0, 0};      ///< m, world: further shift, to even ground
+    double from[3] = {0, 0, 0};    ///< m, world: where the foot left the ground; z: height of the ground there
+    double to[3] = {0, 0, 0};      ///< m, world: foothold; z: height of the ground there
+    double tilt[2] = {0, 0};       ///< slope of the ground at the foothold: rise per length along the x and y axes of the world
+    double bump = 0;               ///< m: height of the path of the foot above the line between both places, in the middle of the swing
   };
   std::uint64_t started = 0;
   double time = 0;                   ///< s: time of the reference
@@ -76,9 +86,11 @@ struct BalanceState {
   double clock = 0;                  ///< s: time since the controller started
   double trouble = 0;                ///< s: time for which the DCM has been outside the support
   double x = 0, y = 0, heading = 0;  ///< m, rad: displacement of the reference by the anchor
-  double z = 0;                      ///< m: height of the ground under the standing feet minus that in the reference
-  double tilt[2] = {0, 0};           ///< slope of the ground under the standing feet: rise per length along the x and y axes of the world
+  double z = 0;                      ///< m: mean height of the ground around the centre of mass, minus that in the reference
+  double tilt[2] = {0, 0};           ///< mean slope of this ground: rise per length along the x and y axes of the world
   double ground[2] = {0, 0};         ///< m, world: x and y of the point of the ground at which it has the height `z`
+  double lower = 0;                  ///< m: how much lower the body is than in the reference, so that the legs reach the ground
+  double loose = 0;                  ///< m: height of the objects under the standing feet that are not in the map of the ground
   FootState feet[max_feet];
   double multipliers[6] = {0, 0, 0, 0, 0, 0};  ///< multipliers from which the quadratic program starts
 };

@@ -14,7 +14,10 @@ void update_phase(const BalanceModel& model, const GroundSupport& support, doubl
   for (std::size_t f = 0; f < model.feet.size(); ++f) {
     BalanceState::FootState& foot = state.feet[f];
     const ScheduledFoot planned = model.schedule.at(f, state.time);
-    if (!state.started) foot.stands = planned.stands && support.touching(f) > 0;
+    if (!state.started) {
+      foot.stands = planned.stands && support.touching(f) > 0;
+      if (!foot.stands) model.lift(f, state);
+    }
     if (foot.stands) {
       foot.lost = support.touching(f) > 0 ? 0 : foot.lost + dt;
       if (planned.stands) foot.early = 0;

@@ -43,11 +43,16 @@ std::vector<Foot> feet_of(const Mechanism& m) {
     if (count > 0) foot.sole = sum / count;
     foot.normal = transpose_times(X[idx(foot.link)].R, Vec3{0, 0, 1});
   }
+  std::vector<int> above(idx(m.link_count()));  // number of feet below each link
+  for (const Foot& foot : feet)
+    for (int i = foot.link; i >= 0; i = m.link(i).parent) ++above[idx(i)];
+  for (Foot& foot : feet)
+    for (int i = foot.link; i > 0 && (above[idx(i)] == 1 || foot.hip < 0); i = m.link(i).parent) foot.hip = i;
   return feet;
 }
 
 FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const ReferenceMotion& motion, double floor, double rate)
-    : stances_(feet.size()), turns_(feet.size()) {
+    : leg_length_(feet.size()), stances_(feet.size()), turns_(feet.size()) {
   const int frames = std::max(1, static_cast<int>(std::floor(motion.end() * rate))) + 1;
   const int margin = static_cast<int>(rate), part = 20 * margin;  // frames: the motion is labelled in parts of 20 s, with 1 s around each
   std::vector<double> q(idx(m.nq())), v(idx(m.nv())), a(v.size());
@@ -81,6 +86,9 @@ FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const
       motion.sample(f / rate, q, v, a);
       calc_poses(m, q, all);
       height[idx(f)] = centre_of_mass(m, all).z - floor;
+      for (std::size_t k = 0; k < feet.size(); ++k)
+        if (feet[k].hip >= 0)
+          leg_length_[k] = std::max(leg_length_[k], norm(all[idx(feet[k].hip)].p - all[idx(feet[k].link)] * feet[k].sole));
       for (std::size_t i = 0; i < parts.size(); ++i) poses[idx(f - from)][i] = all[idx(parts[i])];
     }
     for (std::size_t k = 0; k < feet.size(); ++k) {
@@ -98,7 +106,12 @@ FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const
     for (int f = 0; f < frames;) {
       int to = f;
       while (to < frames && on[k][idx(to)] == on[k][idx(f)]) ++to;
-      if (on[k][idx(f)]) stances_[k].push_back({f == 0 ? -infinity : f / rate, to == frames ? infinity : to / rate});
+      if (on[k][idx(f)]) {
+        motion.sample(f / rate, q, v, a);
+        calc_poses(m, q, all);
+        stances_[k].push_back({f == 0 ? -infinity : f / rate, to == frames ? infinity : to / rate, all[idx(feet[k].link)],
+                               all[idx(std::max(0, feet[k].hip))].p});
+      }
       f = to;
     }
   find_flights(on, height, rate);
@@ -112,7 +125,7 @@ void FootSchedule::find_turns(std::size_t foot, std::span<const std::uint8_t> st
     std::size_t to = f;
     double angle = 0;
     for (; to < stands.size() && turning(to) && yaw_rate[to] * yaw_rate[f] > 0; ++to) angle += yaw_rate[to] / rate;
-    if (std::fabs(angle) > min_angle) turns_[foot].push_back({static_cast<double>(f) / rate, static_cast<double>(to) / rate});
+    if (std::fabs(angle) > min_angle) turns_[foot].push_back({static_cast<double>(f) / rate, static_cast<double>(to) / rate, {}, {}});
     f = std::max(to, f + 1);
   }
 }
@@ -144,10 +157,11 @@ ScheduledFoot FootSchedule::at(std::size_t foot, double t) const {
   const auto next = std::upper_bound(list.begin(), list.end(), t, [](double time, const Stance& s) { return time < s.begin; });
   const double infinity = std::numeric_limits<double>::infinity();
   const double after = next == list.end() ? infinity : next->begin;
-  if (next == list.begin()) return {false, -infinity, after};
+  const Stance* landing = next == list.end() ? nullptr : &*next;
+  if (next == list.begin()) return {false, -infinity, after, landing};
   const Stance& last = *(next - 1);
-  if (t < last.end) return {true, last.begin, last.end};
-  return {false, last.end, after};
+  if (t < last.end) return {true, last.begin, last.end, nullptr};
+  return {false, last.end, after, landing};
 }
 
 }  // namespace ugoki::control

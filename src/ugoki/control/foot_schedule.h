@@ -25,6 +25,7 @@ struct Foot {
   std::vector<int> parts;         ///< links: `link` and its descendants that are feet
   std::vector<LinkPoint> points;  ///< support points of all parts
   std::vector<int> dofs;          ///< DOFs between the root and `link`, without the root's own DOFs
+  int hip = -1;                   ///< first link of the leg: the last ancestor of `link` that is not an ancestor of another foot
   Vec3 normal;                    ///< unit, in the frame of `link`: upward normal of the sole, vertical in the neutral position
   Vec3 sole;                      ///< m, in the frame of `link`: mean of the lowest support points of `link` in the neutral position
 };
@@ -34,13 +35,16 @@ struct Foot {
 /// A time interval [s] in which a foot stands.
 struct Stance {
   double begin = 0, end = 0;
+  Pose foot;  ///< m, world: pose of the foot's link at the begin
+  Vec3 hip;   ///< m, world: origin of Foot::hip at the begin
 };
 
 /// State of a foot in the schedule at a given time.
 struct ScheduledFoot {
   bool stands = false;
-  double begin = 0;  ///< s: begin of the present stance or swing; -infinity if it began before the motion
-  double end = 0;    ///< s: end of the present stance or swing; infinity if no stance or swing follows
+  double begin = 0;              ///< s: begin of the present stance or swing; -infinity if it began before the motion
+  double end = 0;                ///< s: end of the present stance or swing; infinity if no stance or swing follows
+  const Stance* next = nullptr;  ///< the stance that follows the present swing; null: none, or the foot stands
 };
 
 /// A time interval in which no foot stands.
@@ -62,6 +66,8 @@ class FootSchedule {
   /// Flight at time t [s]; null: a foot stands.
   [[nodiscard]] const Flight* flight(double t) const;
   [[nodiscard]] std::span<const Flight> flights() const { return flights_; }
+  /// m: maximum distance between the origin of the foot's hip and its sole.
+  [[nodiscard]] double leg_length(std::size_t foot) const { return leg_length_[foot]; }
   [[nodiscard]] std::span<const Stance> stances(std::size_t foot) const { return stances_[foot]; }
 
  private:
@@ -70,6 +76,7 @@ class FootSchedule {
   void find_flights(std::span<const std::vector<std::uint8_t>> on, std::span<const double> height, double rate);
 
   std::vector<Flight> flights_;                       // sorted
+  std::vector<double> leg_length_;                    // [feet]
   std::vector<std::vector<Stance>> stances_, turns_;  // [feet], sorted
 };
 

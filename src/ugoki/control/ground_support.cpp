@@ -24,7 +24,8 @@ void GroundSupport::collect(const BalanceModel& model, const BalanceInput& in) {
     const int link = is_a ? c.link_a : c.link_b, foot = model.part_of[at(link)];
     const Vec3 n = is_a ? c.n : -c.n;
     if (foot < 0 || n.z < min_rise || contacts_.size() == max_bearing) continue;
-    contacts_.push_back({foot, link, c.p, n, c.friction, c.distance});
+    const bool loose = is_a ? !model.map.contains(c.system_b, c.link_b) : !model.map.contains(c.system_a, c.link_a);
+    contacts_.push_back({foot, link, c.p, n, c.friction, c.distance, loose});
     if (c.distance <= model.options.touch) ++touching_[at(foot)];
   }
 }
@@ -78,17 +79,19 @@ void GroundSupport::find_turn(const BalanceModel& model, std::size_t f) {
 GroundSupport::Ground GroundSupport::ground_under(const BalanceModel& model, std::size_t foot) const {
   Vec3 point, normal;
   double count = 0;
+  bool loose = false;
   for (const FootContact& c : contacts_) {
     if (c.foot != static_cast<int>(foot) || c.distance > model.options.touch) continue;
     point += c.p - c.n * (0.5 * c.distance);
     normal += c.n;
+    loose = loose || c.loose;
     count += 1;
   }
   if (count == 0) return {};
   point = point / count;
   normal = normalized(normal);
   const Vec3 from = model.sole(foot) - point;
-  return {true, point.z - (normal.x * from.x + normal.y * from.y) / normal.z, normal};
+  return {true, point.z - (normal.x * from.x + normal.y * from.y) / normal.z, normal, loose};
 }
 
 double GroundSupport::distance_to_edge(int foot, const BalanceState& state, const Vec3& p, Vec3& closest) {

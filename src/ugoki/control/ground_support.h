@@ -13,6 +13,7 @@ struct FootContact {
   Vec3 p, n;  // m, world: position; unit, world: normal, upwards
   double friction;
   double distance;  // m
+  bool loose;       // the other body is not in the map of the ground
 };
 
 /// A contact point that bears load.
@@ -41,6 +42,7 @@ class GroundSupport {
     bool found = false;  // false: the foot has no contact
     double height = 0;   // m, world: at the centre of the sole
     Vec3 normal{0, 0, 1};
+    bool loose = false;  // true: the foot stands on a body that is not in the map of the ground
   };
   [[nodiscard]] Ground ground_under(const BalanceModel& model, std::size_t foot) const;
   /// Finds the points that bear load: close to the ground, on a foot that stands, and not lifted by the reference.

@@ -14,13 +14,13 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 using Weights = std::array<double, BalanceState::max_feet>;
 }  // namespace
 
-void ReferenceAnchor::update(const BalanceModel& model, const GroundSupport& support, double dt, BalanceState& state) {
+void ReferenceAnchor::update(const BalanceModel& model, double dt, BalanceState& state) {
   // The share of a foot grows in the time after it landed and decreases in the time before it lifts. In a walk, the share moves linearly
   // from the rear to the front foot during double support.
   Weights weights{}, rates{};
   double sum = 0, sum_rate = 0, next_change = 1e300;
   rate_ = {};
-  rest_ = climb_ = 0;
+  rest_ = 0;
   for (std::size_t f = 0; f < model.feet.size(); ++f) {
     if (!state.feet[f].stands) continue;
     const ScheduledFoot planned = model.schedule.at(f, state.time);
@@ -40,8 +40,7 @@ void ReferenceAnchor::update(const BalanceModel& model, const GroundSupport& sup
     return;
   }
   Vec3 shift, centre;
-  double turn = 0, height = 0, weight = 0;
-  Vec3 point, normal;
+  double turn = 0;
   for (std::size_t f = 0; f < model.feet.size(); ++f) {
     if (!state.feet[f].stands) continue;
     const double share = weights[f] / sum;
@@ -52,25 +51,10 @@ void ReferenceAnchor::update(const BalanceModel& model, const GroundSupport& sup
     centre += model.reference_sole(f) * share;
     const Vec3 rotation = log_map(to_quat(X.R * X_ref.R.transposed()));
     turn += rotation.z * share;
-    const GroundSupport::Ground ground = support.ground_under(model, f);
-    if (!ground.found) continue;
-    height += (ground.height - model.floor) * share;
-    normal += ground.normal * share;
-    point += model.sole(f) * share;
-    weight += share;
   }
   rest_ = next_change / state.rate;
   const double follow = std::min(1.0, dt / model.options.anchor_time);
   const double angle = model.options.heading_time > 0 ? turn * std::min(1.0, dt / model.options.heading_time) : 0;
-  if (weight > 1e-6) {
-    const double share = std::min(1.0, dt / model.options.ground_time), rise = (height / weight - state.z) * share;
-    climb_ = rise / dt;
-    state.z += rise;
-    state.tilt[0] += (-normal.x / normal.z - state.tilt[0]) * share;
-    state.tilt[1] += (-normal.y / normal.z - state.tilt[1]) * share;
-    state.ground[0] = point.x / weight;
-    state.ground[1] = point.y / weight;
-  }
   // Rotates the reference about its standing foot, then translates it.
   const Vec3 pivot = horizontal(centre), moved = pivot - rotation_about({0, 0, 1}, angle) * pivot + horizontal(shift) * follow;
   const Placement next = Placement{moved.x, moved.y, 0, angle} * Placement{state.x, state.y, 0, state.heading};

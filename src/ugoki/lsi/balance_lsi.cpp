@@ -156,7 +156,9 @@ void* make(Setup& s) {
     options.leg_weight = s.number("leg weight");
     options.momentum_weight = s.number("momentum weight");
     options.shift_growth = s.number("step growth");
-    self->balance.emplace(character->mechanism, self->track, options, world->ground().height);
+    const std::vector<MechanismPtr> systems = world->mechanisms();
+    self->balance.emplace(character->mechanism, self->track, options, world->ground().height,
+                          control::GroundMap(systems, character->index, world->ground().height));
     if (static_cast<std::size_t>(character->mechanism->nq()) <= control::FallState::max_coordinates) {
       control::FallOptions protection;
       protection.gravity = world->gravity();
