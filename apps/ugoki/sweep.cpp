@@ -73,8 +73,8 @@ constexpr const char* usual_link = "chest";  // the link on which pushes act, un
 
 /// The character on which pushes act; null: there is none.
 const content::ScenarioCharacter* pushed_character(const content::Scenario& s) {
-  const auto found =
-      std::ranges::find_if(s.characters, [](const content::ScenarioCharacter& c) { return c.control.mode != content::ControlMode::passive; });
+  const auto found = std::ranges::find_if(
+      s.characters, [](const content::ScenarioCharacter& c) { return c.control.mode != content::ControlMode::passive; });
   return found == s.characters.end() ? nullptr : &*found;
 }
 

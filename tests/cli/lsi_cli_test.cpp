@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstring>
 #include <sstream>
 
 #include "shelf_test.h"
@@ -296,20 +297,24 @@ TEST_F(LsiCliTest, PipesOnTheShelfAreReportedAndNotWaitedFor) {
   fails({"lsi", "install", folder_ + "/pipe.so", "--yes"}, "This is a pipe, not a file.");
 }
 
-TEST_F(LsiCliTest, BuildThatIsKilledLeavesNoFolder) {
+TEST_F(LsiCliTest, EndedBuildsLeaveNoFolder) {
   const std::string temporary = folder_ + "/tmp";
   fs::create_directory(temporary);
-  const std::string compiler = write("slow", "#!/bin/sh\nsleep 1000\n");
+  const std::string compiler = write("slow", "#!/bin/sh\nexec sleep 1000\n");
   fs::permissions(compiler, fs::perms::owner_all);
   const std::string source = write("good.c", "double f(double x) { return x; }\n");
   const std::vector<std::string> environment = {"UGOKI_LSI=" + folder_ + "/shelf", "TMPDIR=" + temporary};
-  const pid_t build = start_program({"lsi", "build", source, "--compiler", compiler}, environment);
   const auto folders = [&] { return std::distance(fs::directory_iterator(temporary), fs::directory_iterator()); };
-  for (int i = 0; i < 1000 && folders() == 0; ++i) ::usleep(10'000);
-  ::kill(build, SIGINT);
-  wait_for(build);
-  ASSERT_EQ(folders(), 1);
-  EXPECT_EQ(run_program({"lsi", "build", source}, environment).status, 0);
+  std::signal(SIGHUP, SIG_DFL);  // a program that nohup has started ignores it, and so do its children
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGKILL}) {
+    SCOPED_TRACE(::strsignal(signal));
+    const pid_t build = start_program({"lsi", "build", source, "--compiler", compiler}, environment);
+    for (int i = 0; i < 1000 && folders() == 0; ++i) ::usleep(10'000);
+    ::kill(build, signal);
+    wait_for(build);
+    ASSERT_EQ(folders(), signal == SIGKILL ? 1 : 0);
+  }
+  EXPECT_EQ(run_program({"lsi", "build", source}, environment).status, 0);  // also removes what the killed program has left
   EXPECT_EQ(folders(), 0);
 }
 
