@@ -112,7 +112,7 @@ void add_circuit_verb(CLI::App& app, Action& action) {
   };
   CLI::App* run = add("run", "Run a circuit and print its outputs.", "The circuit, *.json",
                       "ugoki circuit run counter.json --duration 2 --probe limit.out --json", run_circuit);
-  run->add_option("--dt", options->dt, "Seconds between ticks")->check(CLI::Range(1e-9, 1e6))->capture_default_str();
+  run->add_option("--dt", options->dt, "Seconds between ticks")->check(number_from(1e-9, 1e6))->capture_default_str();
   run->add_option("--duration", options->duration, "Seconds to run")->check(CLI::Range(0.0, 1e9))->capture_default_str();
   run->add_option("--probe", options->probes, "Record this output at each tick: id.pin");
   run->add_option("--every", options->every, "Record probes at each n-th tick only")->check(CLI::Range(1, 1000000));

@@ -13,6 +13,7 @@
 #include "ugoki/fmi/load.h"
 #include "ugoki/lsi/standard_library.h"
 #include "ugoki/plugin/shelf.h"
+#include "verb.h"
 
 namespace ugoki::cli {
 namespace {
@@ -119,7 +120,7 @@ void add_export_fmu(CLI::App& circuit_verb, Action& action) {
   sub->add_option("output", options->output, "The FMU to write, *.fmu")->required();
   sub->add_option("--fmi", options->version, "Version of the standard")->check(CLI::IsMember({2, 3}))->capture_default_str();
   sub->add_option("--dt", options->dt, "Seconds between ticks of the circuit (default: the content's step, or 0.001)")
-      ->check(CLI::Range(1e-9, 1e6));
+      ->check(number_from(1e-9, 1e6));
   sub->add_option("--content", options->content, "Executable data (*.ugx), if LSIs of the circuit use mechanisms and motions");
   sub->add_option("--shelf", options->shelf, "Folder of installed libraries (default: $UGOKI_LSI or ~/.local/share/ugoki/lsi)");
   sub->add_flag("--json", options->json, "Print one JSON object");

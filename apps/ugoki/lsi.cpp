@@ -42,7 +42,8 @@ std::string shelf_of(const Options& o) { return o.shelf.empty() ? plugin::defaul
 /// @param hash SHA-256 that the file must have; empty: any file
 /// @param start true: also start and end an FMU, to check that it works on this machine
 Result<Json> describe(const std::string& path, const std::string& hash = {}, bool start = false) {
-  std::vector<std::string> command{"/proc/self/exe", "lsi", "describe", path};
+  // A name that begins with '-' would be read as an option.
+  std::vector<std::string> command{"/proc/self/exe", "lsi", "describe", path.starts_with('-') ? "./" + path : path};
   if (!hash.empty()) command.insert(command.end(), {"--hash", hash});
   if (start) command.push_back("--start");
   const Result<plugin::ProgramOutput> ran = plugin::run_program(command, {std::chrono::seconds(start ? 60 : 20)});

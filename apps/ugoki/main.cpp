@@ -10,6 +10,7 @@
 #include <string>
 
 #include "output.h"
+#include "ugoki/base/number.h"
 #include "ugoki/base/printable.h"
 #include "verb.h"
 
@@ -37,6 +38,15 @@ void refuse_nan(const CLI::App& app) {
 }
 
 }  // namespace
+
+CLI::Validator ugoki::cli::number_from(double min, double max) {
+  const std::string range = to_text(min) + " to " + to_text(max);
+  return {[=](std::string& text) {
+            const std::optional<double> x = parse_double(text);
+            return x && *x >= min && *x <= max ? std::string() : "Value " + text + " is not a number from " + range;
+          },
+          "from " + range};
+}
 
 int main(int argc, char** argv) {
   using namespace ugoki::cli;

@@ -237,9 +237,9 @@ void add_scale(CLI::App& verb, Action& action) {
   CLI::App* command = add_operation(verb, "scale", "Change size, mass or age", {c, &c->common}, 1, "The mechanism");
   CLI::Option* age = command->add_option("--age", c->grow.age, "Age of a human in years, 2 to 20")->check(CLI::Range(2.0, 150.0));
   CLI::Option* height =
-      command->add_option("--height", c->grow.height, "Height in m (default: the median of the age)")->check(CLI::Range(1e-3, 1000.0));
+      command->add_option("--height", c->grow.height, "Height in m (default: the median of the age)")->check(number_from(1e-3, 1000.0));
   command->add_option("--mass", c->grow.mass, "Mass in kg (default: the median of the age, or proportional to the cube of the height)")
-      ->check(CLI::Range(1e-6, 1e9));
+      ->check(number_from(1e-6, 1e9));
   command->add_option("--sex", c->sex, "Sex whose medians are used")->check(CLI::IsMember({"male", "female"}))->capture_default_str();
   command->add_option("--from-age", c->grow.from_age, "Age of the given body in years")->capture_default_str();
   command->add_option("--from-height", c->grow.from_height, "Height of the given body in m (default: the height of its shapes)");

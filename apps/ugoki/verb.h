@@ -9,6 +9,9 @@ namespace ugoki::cli {
 /// Action of the program, run after its arguments were parsed. @return exit status: 0 success, 1 failure
 using Action = std::function<int()>;
 
+/// Check of an option's number. Unlike CLI::Range, its message shows small limits, such as 1e-09, instead of 0.000000.
+[[nodiscard]] CLI::Validator number_from(double min, double max);
+
 void add_new_verb(CLI::App& app, Action& action);
 void add_import_verb(CLI::App& app, Action& action);
 void add_db_verb(CLI::App& app, Action& action);

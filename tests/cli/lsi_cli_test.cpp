@@ -245,6 +245,14 @@ TEST_F(LsiCliTest, TextOfAnLsiDoesNotMixWithJson) {
   EXPECT_NE(ran.err.find("{running}"), std::string::npos);
 }
 
+TEST_F(LsiCliTest, NamesThatBeginWithAHyphenAreNotOptions) {
+  const std::string source = write("-o.c", "double f(double x) { return x; }\n"), before = fs::current_path();
+  fs::current_path(folder_);
+  const Output built = ugoki({"lsi", "build", "--", "-o.c"});
+  fs::current_path(before);
+  EXPECT_EQ(built.status, 0) << built.err;
+}
+
 TEST_F(LsiCliTest, ReplacedLibraryIsNamedBeforeConsent) {
   const auto build = [&](const std::string& file, const std::string& body) {
     return json({"lsi", "build", write(file, "double f(double x) { return " + body + "; }\n"), "--name", "same"})["output"]
