@@ -13,7 +13,7 @@ struct Replay {
 
 std::int32_t step_torques(const Call* call) {
   const auto& self = object_of<Replay>(call);
-  const std::size_t nv = self.torques->v0.size(), row = call->tick->index;
+  const std::size_t nv = self.torques->v0.size(), row = static_cast<std::size_t>(call->tick->index);
   const bool runs = row < self.torques->steps();
   double* const tau = circuit::output(call, 0);
   for (std::size_t i = 0; i < nv; ++i) tau[i] = runs ? self.torques->tau[row * nv + i] : 0;
