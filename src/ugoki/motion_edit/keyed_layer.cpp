@@ -152,30 +152,40 @@ Values value_at(std::span<const LayerKey> keys, double t) {
   return out;
 }
 
-void apply_layer(const Mechanism& m, const KeyedLayer& layer, double t, std::span<double> q, double period) {
-  const LayerMoment moment = moment_of(layer, t, period);
-  const double weight = moment.weight;
-  if (weight == 0) return;
-  double v[6], goal[7];
+namespace {
+
+/// Calls `work(joint, part, count, value, own)` for each keyed joint that the mechanism has: the number of components of its part, their
+/// values at the moment, and its coordinates in q.
+template <class Work>
+void for_each_joint(const Mechanism& m, const KeyedLayer& layer, const LayerMoment& moment, std::span<double> q, Work work) {
   for (const JointKeys& keyed : layer.joints) {
     const int i = m.find_link(keyed.link);
     if (i < 0 || keyed.keys.empty()) continue;
     const Joint& joint = m.link(i).joint;
     const int count = component_count(joint.type, keyed.part);
-    if (count == 0) continue;
-    double* own = q.data() + m.link(i).q_index;
-    const Values value = value_in(keyed, moment);
+    if (count > 0) work(joint, keyed.part, count, value_in(keyed, moment), q.data() + m.link(i).q_index);
+  }
+}
+
+}  // namespace
+
+void apply_layer(const Mechanism& m, const KeyedLayer& layer, double t, std::span<double> q, double period) {
+  const LayerMoment moment = moment_of(layer, t, period);
+  const double weight = moment.weight;
+  if (weight == 0) return;
+  double v[6], goal[7];
+  for_each_joint(m, layer, moment, q, [&](const Joint& joint, JointPart part, int count, const Values& value, double* own) {
     if (layer.mode == LayerMode::additive) {
-      to_velocity(value, count, keyed.part, weight, v);
+      to_velocity(value, count, part, weight, v);
       joint_integrate(joint, own, v, 1, own);
     } else {
-      replaced(joint, keyed.part, value, own, goal);
+      replaced(joint, part, value, own, goal);
       if (weight >= full)
         std::copy_n(goal, joint.nq(), own);
       else
         approach(joint, goal, weight, own);
     }
-  }
+  });
 }
 
 bool remove_layer(const Mechanism& m, const KeyedLayer& layer, double t, std::span<double> q, double period) {
@@ -184,26 +194,19 @@ bool remove_layer(const Mechanism& m, const KeyedLayer& layer, double t, std::sp
   if (weight == 0) return true;
   bool all = true;
   double v[6], goal[7];
-  for (const JointKeys& keyed : layer.joints) {
-    const int i = m.find_link(keyed.link);
-    if (i < 0 || keyed.keys.empty()) continue;
-    const Joint& joint = m.link(i).joint;
-    const int count = component_count(joint.type, keyed.part);
-    if (count == 0) continue;
-    double* own = q.data() + m.link(i).q_index;
-    const Values value = value_in(keyed, moment);
+  for_each_joint(m, layer, moment, q, [&](const Joint& joint, JointPart part, int count, const Values& value, double* own) {
     if (layer.mode == LayerMode::additive) {
-      to_velocity(value, count, keyed.part, -weight, v);
+      to_velocity(value, count, part, -weight, v);
       joint_integrate(joint, own, v, 1, own);
     } else if (weight >= full) {
       all = false;
     } else {
       // own = below + weight (goal - below) on a geodesic, so below = goal + (own - goal) / (1 - weight)
-      replaced(joint, keyed.part, value, own, goal);
+      replaced(joint, part, value, own, goal);
       joint_difference(joint, goal, own, v);
       joint_integrate(joint, goal, v, 1 / (1 - weight), own);
     }
-  }
+  });
   return all;
 }
 
