@@ -1,7 +1,8 @@
 /** The floor: a metre grid that fades into the background with the distance from the camera's target. */
 import * as THREE from 'three';
 
-// The floor is flat and its lights are directional, so that its lighting without shadow is the same everywhere.
+// The floor is flat and its lights are directional, so that its lighting without shadow is the same everywhere. The vertex shader therefore
+// computes the displayed (sRGB) colours with and without shadow, and the fragment shader mixes displayed colours: three powers a pixel less.
 const vertex_shader = `
 #include <common>
 #include <lights_pars_begin>
@@ -11,15 +12,17 @@ const vertex_shader = `
 #endif
 uniform vec3 u_floor;
 varying vec2 v_world;
-flat varying vec3 v_shaded, v_key; // colours by all lights except the first, and by the first light, which casts the shadow
+flat varying vec3 v_lit, v_shaded; // displayed colours by all lights, and by all lights except the first, which casts the shadow
+vec3 displayed(vec3 c) { return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
 vec3 light(int i, vec3 normal) { return max(0.0, dot(normal, directionalLights[i].direction)) * directionalLights[i].color; }
 void main() {
   vec4 world = modelMatrix * vec4(position, 1.0);
   v_world = world.xy;
   vec3 normal = normalize((viewMatrix * vec4(0.0, 0.0, 1.0, 0.0)).xyz);
   vec3 reflected = BRDF_Lambert(u_floor);
-  v_shaded = (getHemisphereLightIrradiance(hemisphereLights[0], normal) + light(1, normal)) * reflected;
-  v_key = light(0, normal) * reflected;
+  vec3 shaded = (getHemisphereLightIrradiance(hemisphereLights[0], normal) + light(1, normal)) * reflected;
+  v_shaded = displayed(shaded);
+  v_lit = displayed(shaded + light(0, normal) * reflected);
   #ifdef SHADOW
     vDirectionalShadowCoord[0] = directionalShadowMatrix[0] * (world + vec4(0.0, 0.0, directionalLightShadows[0].shadowNormalBias, 0.0));
   #endif
@@ -31,7 +34,7 @@ const fragment_shader = `
 #include <lights_pars_begin>
 #include <shadowmap_pars_fragment>
 varying vec2 v_world;
-flat varying vec3 v_shaded, v_key;
+flat varying vec3 v_lit, v_shaded;
 uniform vec3 u_background, u_line;
 uniform vec2 u_focus;
 uniform float u_reach, u_strength;
@@ -68,15 +71,14 @@ void main() {
     vec3 s = vDirectionalShadowCoord[0].xyz;
     if (all(greaterThanEqual(s.xy, vec2(0.0))) && all(lessThanEqual(s, vec3(1.0)))) shadow = soft_shadow(s);
   #endif
-  vec3 color = v_shaded + v_key * shadow;
+  vec3 color = mix(v_shaded, v_lit, shadow);
   float near_fade = 1.0 - smoothstep(0.15 * u_reach, 0.6 * u_reach, away);
   float lines = 0.6 * grid_line(p, w, 1.0, 0.55) + 0.4 * grid_line(p, w, 0.2, 0.75);
   color = mix(color, u_line, clamp(lines, 0.0, 1.0) * u_strength * near_fade);
   vec2 axes = 1.0 - smoothstep(0.4, 1.4, abs(p) / max(w, vec2(1e-6)));
-  color = mix(color, vec3(0.52, 0.13, 0.13), axes.y * 0.45 * near_fade);
-  color = mix(color, vec3(0.13, 0.34, 0.15), axes.x * 0.45 * near_fade);
+  color = mix(color, vec3(0.75, 0.4, 0.4), axes.y * 2.0 * u_strength * near_fade);
+  color = mix(color, vec3(0.4, 0.62, 0.42), axes.x * 2.0 * u_strength * near_fade);
   gl_FragColor = vec4(mix(color, u_background, smoothstep(0.12 * u_reach, u_reach, away)), 1.0);
-  #include <colorspace_fragment>
 }`;
 
 const max_patches = 256; // if more bodies cast shadows, one patch covers all of them
@@ -174,8 +176,8 @@ export class Floor {
   /** @param strength opacity of the grid lines, 0 ... 1 */
   set_colors(floor: THREE.Color, line: THREE.Color, background: THREE.Color, strength: number): void {
     this.uniforms.u_floor.value.copy(floor);
-    this.uniforms.u_line.value.copy(line);
-    this.uniforms.u_background.value.copy(background);
+    this.uniforms.u_line.value.copyLinearToSRGB(line);
+    this.uniforms.u_background.value.copyLinearToSRGB(background);
     this.uniforms.u_strength.value = strength;
   }
 

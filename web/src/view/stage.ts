@@ -1,6 +1,7 @@
 /** The stage: renderer, lights, floor and background. Adapts the resolution to the machine and draws at full resolution while nothing moves. */
 import * as THREE from 'three';
 import { Floor } from './floor';
+import { floor_layer, SmoothAreas } from './smooth_areas';
 
 export interface StageLook {
   theme: 'dark' | 'light';
@@ -29,6 +30,8 @@ export class Stage {
   private readonly sky = new THREE.HemisphereLight(0xdfe8f7, 0x2d2b2a, 1.15);
   private readonly background = new THREE.Color();
   private readonly software: boolean;
+  /** Draws pictures; null for a live view. */
+  private readonly smooth: SmoothAreas | null;
   /** Resolution of frames drawn while something moves, relative to the full resolution, 0.4 ... 1. */
   private quality = 1;
   private width = 1;
@@ -41,7 +44,8 @@ export class Stage {
   constructor(canvas: HTMLCanvasElement, private readonly options: StageOptions = {}) {
     this.software = !options.pictures && draws_in_software();
     // with software rendering, antialiasing of every frame is too slow; while nothing moves, frames are drawn at a higher resolution instead
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.software, alpha: options.transparent === true, preserveDrawingBuffer: options.pictures === true, powerPreference: 'high-performance' });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.software && !options.pictures, alpha: options.transparent === true, preserveDrawingBuffer: options.pictures === true, powerPreference: 'high-performance' });
+    this.smooth = options.pictures ? new SmoothAreas(this.renderer) : null;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.scene.background = options.transparent ? null : this.background;
@@ -52,6 +56,8 @@ export class Stage {
     this.key.shadow.normalBias = 0.012;
     this.key.shadow.radius = 5;
     this.scene.add(this.floor.object, this.key, this.key.target, this.fill, this.fill.target, this.sky);
+    this.floor.object.traverse((o) => o.layers.enable(floor_layer));
+    for (const light of [this.key, this.fill, this.sky]) light.layers.enable(floor_layer);
     this.quality = this.software ? 0.5 : 1;
   }
 
@@ -60,7 +66,7 @@ export class Stage {
     const own = look.floor.toLowerCase() !== default_floor;
     this.background.set(dark ? 0x101318 : 0xe3e6ea);
     const floor = new THREE.Color(dark || own ? look.floor : '#c3c7cd');
-    this.floor.set_colors(floor, new THREE.Color(dark ? 0x8b93a1 : 0x6b7280), this.background, dark ? 0.17 : 0.3);
+    this.floor.set_colors(floor, new THREE.Color(dark ? 0x8b93a1 : 0x6b7280), this.background, dark ? 0.31 : 0.23);
     const light = Math.max(0.05, look.light / 0.9);
     this.key.intensity = 2.5 * light;
     this.fill.intensity = 0.55 * light;
@@ -109,7 +115,8 @@ export class Stage {
     this.set_ratio(still);
     this.scene.updateMatrixWorld();
     if (this.floor.object.visible) this.floor.place_patches(this.scene, this.key);
-    this.renderer.render(this.scene, camera);
+    if (this.smooth) this.smooth.render(this.scene, camera, this.floor.object);
+    else this.renderer.render(this.scene, camera);
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.flush();
@@ -141,6 +148,7 @@ export class Stage {
   }
 
   dispose(): void {
+    this.smooth?.dispose();
     this.renderer.dispose();
   }
 }
