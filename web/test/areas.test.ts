@@ -77,7 +77,7 @@ describe('drawn_areas', () => {
     const covered = areas.reduce((sum, a) => sum + (a.right - a.left) * (a.top - a.bottom), 0);
     expect(covered).toBeLessThan(0.5 * width * height);
   });
-  it('says that bounds are not known', () => {
+  it('reports unknown bounds', () => {
     const scene = new THREE.Scene();
     const mesh = box_at(0, 0, 1);
     mesh.frustumCulled = false;
