@@ -36,6 +36,7 @@ export function Tour(): ReactElement | null {
   const [place, set_place] = useState<Place | null>(null);
   const step = at === null ? undefined : tour_steps[at];
   const shown = step !== undefined && open;
+  const placed = place !== null; // before, the card is hidden and cannot take the focus
 
   useLayoutEffect(() => {
     if (!shown) return undefined;
@@ -61,7 +62,7 @@ export function Tour(): ReactElement | null {
     return () => {
       if (page.getState().tour === null && before?.isConnected) before.focus({ preventScroll: true });
     };
-  }, [shown, at]);
+  }, [shown, at, placed]);
 
   if (!shown || at === null) return null;
   const last = at === tour_steps.length - 1;

@@ -88,7 +88,9 @@ export function PosesPanel(): ReactElement {
     const now = poses.find((p) => p.id === renamed);
     if (now && name.trim() && name.trim() !== now.name) void session.edit({ type: 'pose.set', id: now.id, pose: { name: name.trim() } });
     set_renamed(null);
-    requestAnimationFrame(() => list.current?.querySelector<HTMLElement>(`[data-pose="${renamed}"]`)?.focus());
+    requestAnimationFrame(() => {
+      if (document.activeElement === document.body) list.current?.querySelector<HTMLElement>(`[data-pose="${renamed}"]`)?.focus();
+    });
   };
   const keys = (event: KeyboardEvent<HTMLDivElement>): void => {
     if (renamed || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -97,8 +99,7 @@ export function PosesPanel(): ReactElement {
     const step = { ArrowRight: 1, ArrowLeft: -1, ArrowDown: columns, ArrowUp: -columns }[event.key];
     if (step !== undefined) {
       const next = poses[Math.min(poses.length - 1, Math.max(0, at + step))];
-      if (next) set_chosen(next.id);
-      requestAnimationFrame(() => list.current?.querySelector<HTMLElement>('[aria-selected=true]')?.focus());
+      if (next) list.current?.querySelector<HTMLElement>(`[data-pose="${next.id}"]`)?.focus(); // which chooses it
     } else if (event.key === 'Enter' && pose) void apply(pose);
     else if (event.key === 'F2' && pose) set_renamed(pose.id);
     else if (event.key === 'Delete' && pose) remove(pose);
