@@ -18,7 +18,7 @@ class RandomCommands {
   /// A random command (JSON) for the document `s`.
   std::string next(const Scenario& s) {
     if (std::string removal = shrink(s); !removal.empty()) return removal;
-    switch (pick(27)) {
+    switch (pick(32)) {
       case 0:
         return R"({"type": "clip.add", "character": "human", "motion": ")" + std::string(pick(2) ? "n-walk" : "n-step") +
                R"(", "start": )" + number(0, 8) + "}";
@@ -28,7 +28,8 @@ class RandomCommands {
       case 4: return clip_command(s, R"("offset": )" + number(0, 0.5) + R"(, "length": 0.4)");
       case 5: return clip_command(s, R"("speed": )" + number(0.5, 2) + R"(, "length": 0.2)");
       case 6: return s.characters.empty() || s.characters[0].track.size() < 3 ? next(s) : command_on(s, "clip.remove", "");
-      case 7: return command_on(s, "clip.split", R"(, "time": )" + number(0, 8));
+      case 7:
+      case 30: return command_on(s, "clip.split", R"(, "time": )" + number(0, 8));
       case 8: return R"({"type": "character.add", "mechanism": "m-ball", "place": {"x": )" + number(-5, 5) + "}}";
       case 9:
         return R"({"type": "character.set", "id": ")" + any_character(s) + R"(", "place": {"y": )" + number(-5, 5) +
@@ -82,6 +83,18 @@ class RandomCommands {
         const std::string command = next(s), other = next(s);
         return R"({"type": "group", "label": "Two", "commands": [)" + command + ", " + other + "]}";
       }
+      case 26:
+        return R"({"type": "pose.add", "pose": {"mechanism": "m-walker", "joints": [{"link": "leg", "q": [)" + number(-2, 2) +
+               R"(]}]}, "at": )" + std::to_string(pick(4)) + "}";
+      case 27:
+        if (s.poses.empty()) return next(s);
+        return pick(2) ? R"({"type": "pose.set", "id": ")" + s.poses[pick(s.poses.size())].id + R"(", "pose": {"name": "P)" + number(0, 9) +
+                             "\"}}"
+                       : R"({"type": "pose.remove", "id": ")" + s.poses[pick(s.poses.size())].id + "\"}";
+      case 28: return R"({"type": "track.move", "character": ")" + any_character(s) + R"(", "at": )" + std::to_string(pick(4)) + "}";
+      case 29:
+        return R"({"type": "character.set", "id": ")" + any_character(s) + R"(", "group": ")" +
+               (pick(2) ? "" : "G" + std::to_string(pick(3))) + "\"}";
       default:
         return pick(2) ? R"({"type": "scenario.set", "duration": )" + number(1, 30) + R"(, "look": {"light": )" + number(0, 2.1) + "}}"
                        : circuit_command();
@@ -117,6 +130,7 @@ class RandomCommands {
     if (s.events.size() > max_length) return remove("event.remove", s.events);
     if (s.markers.size() > max_length) return remove("marker.remove", s.markers);
     if (s.rules.size() > max_length) return remove("rule.remove", s.rules);
+    if (s.poses.size() > max_length) return remove("pose.remove", s.poses);
     if (s.characters.empty() || s.characters[0].locked) return {};
     for (const ScenarioClip& clip : s.characters[0].track) {
       if (s.characters[0].track.size() > max_length) return command_on(s, "clip.remove", "");

@@ -7,8 +7,11 @@
 #include <fstream>
 #include <iterator>
 
+#include "ugoki/body/body.h"
 #include "ugoki/formats/asf.h"
+#include "ugoki/formats/bvh.h"
 #include "ugoki/intake/intake.h"
+#include "ugoki/samples/samples.h"
 
 namespace ugoki::intake {
 namespace {
@@ -71,6 +74,27 @@ TEST(ConversionReport, EveryKindOfFileIsReported) {
     for (const auto* part : {&r.read, &r.guessed, &r.changed, &r.left_out, &r.check})
       for (const std::string& line : *part) EXPECT_TRUE(line.ends_with('.') || line.ends_with(')')) << file.path << ": " << line;
   }
+}
+
+/// The jump out of a calibration pose, which the conversion replaces, does not count as a speed of the motion.
+TEST(ConversionReport, ReplacedCalibrationFramesAreNotChecked) {
+  MeasuredMotion walk = samples::make_human_walk();
+  const std::size_t n = walk.skeleton.joints.size();
+  const auto speed_is_reported = [](const MeasuredMotion& m) {
+    const auto intake = take_in(formats::write_bvh(m), "walk.bvh");
+    EXPECT_TRUE(intake);
+    return intake && std::ranges::any_of(intake->conversion.check, [](const std::string& s) { return s.find("m/s") != std::string::npos; });
+  };
+  EXPECT_FALSE(speed_is_reported(walk));
+  for (std::size_t i = 0; i < n; ++i) walk.rotations[i] = walk.rotations[i] * exp_map({0.9, -1.1, 0.8});
+  walk.rate = 120;
+  ASSERT_EQ(body::count_calibration_frames(walk), 1);
+  EXPECT_FALSE(speed_is_reported(walk));
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t k = 20 * n + i;
+    walk.rotations[k] = walk.rotations[k] * exp_map({0.9, -1.1, 0.8});
+  }
+  EXPECT_TRUE(speed_is_reported(walk)) << "a jump within the motion is reported";
 }
 
 }  // namespace

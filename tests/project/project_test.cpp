@@ -234,7 +234,7 @@ TEST_F(ProjectTest, RefusedCommandsChangeNothing) {
   EXPECT_FALSE(project.can_undo());
 }
 
-TEST_F(ProjectTest, UndoAndRedoOfRandomEditsRestoreEveryState) { check_random_history(make(), 300, 1999); }
+TEST_F(ProjectTest, UndoAndRedoOfRandomEditsRestoreEveryState) { check_random_history(make(), 400, 1999); }
 
 /// As many steps as a project keeps.
 class SlowProjectTest : public ProjectTest {};

@@ -30,12 +30,14 @@ class Collector final : public InterpreterSink {
     if (j["event"] == "stopped") ADD_FAILURE() << text;
     if (j["event"] == "summary")
       summary = std::move(j);
+    else if (j["event"] == "recorded")
+      recorded = std::move(j);
     else if (j["event"] == "transport")
       transport = std::move(j);
   }
   Frame last;
   int frames = 0;
-  json summary, transport;
+  json summary, transport, recorded;
 };
 
 const std::vector<std::byte>& sample() {
@@ -143,6 +145,34 @@ TEST_F(ContentTest, ReportsTheStateHashOfTheNewestStep) {
   }
   EXPECT_EQ(sink.transport["steps"], 30);
   EXPECT_EQ(std::stoull(sink.transport["state_hash"].get<std::string>(), nullptr, 16), alone->state_hash());
+}
+
+/// The recorded curve of a joint ends with the angle that the links of the newest frame have to each other.
+TEST_F(ContentTest, RecordedJointsAreThoseOfTheSimulation) {
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  ASSERT_TRUE(interpreter.seek(0.5));
+  settle();
+  const samples::Sample made = samples::make_sample();
+  const Result<content::Scenario> scenario = content::read_scenario(made.document, "sample");
+  const Mechanism& human = *made.resources.mechanisms.at(scenario->characters[0].mechanism);
+  const std::string id = scenario->characters[0].id;
+  int hinge = 0;
+  while (human.link(hinge).joint.type != JointType::revolute) ++hinge;
+  ASSERT_TRUE(interpreter.report_recorded(id, {human.link(hinge).name, human.link(0).name}));
+  ASSERT_EQ(sink.recorded["curves"].size(), 1u) << "floating joints have no curve";
+  const json& values = sink.recorded["curves"][0]["values"];
+  ASSERT_EQ(values.size(), 1u);
+  EXPECT_EQ(sink.recorded["step"], 1.0 / 60);
+  EXPECT_NEAR(static_cast<double>(values[0].size()), 31, 1);
+  const auto rotation = [&](int link) {
+    const auto& x = sink.last.characters[0].links[static_cast<std::size_t>(link)];
+    return Quat{x[3], x[4], x[5], x[6]};
+  };
+  const Joint& joint = human.link(hinge).joint;
+  const Quat turned = to_quat(joint.X_PJ.R).conjugate() * rotation(human.link(hinge).parent).conjugate() * rotation(hinge);
+  EXPECT_NEAR(values[0].back().get<double>(), 2 * std::atan2(dot(joint.axis, turned.vec()), turned.w), 1e-4);
+  EXPECT_FALSE(interpreter.report_recorded("nobody", {}));
+  EXPECT_FALSE(interpreter.report_recorded(id, {"wing"}));
 }
 
 TEST_F(ContentTest, GrabIsShownImmediatelyAndPulls) {

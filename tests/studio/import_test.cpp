@@ -85,6 +85,9 @@ TEST_F(ImportServiceTest, StageIsShownCorrectedAndStored) {
   EXPECT_EQ(Json::parse(*stored)["entries"].size(), 2u);
   EXPECT_EQ(entries(), 3u) << "expected a mechanism, measured data and a motion";
   const auto library = store::Library::open(path_);
+  const auto body = library->resolve("Stroll", "mechanism");
+  ASSERT_TRUE(body) << body.error().text();
+  EXPECT_EQ(Json::parse(body->summary)["height"], shown["mechanism"]["height"]) << "preview and library show the same height";
   const auto entry = library->resolve("Stroll", "motion");
   ASSERT_TRUE(entry) << entry.error().text();
   EXPECT_EQ(entry->tags, std::vector<std::string>{"own"});

@@ -109,6 +109,68 @@ TEST_F(PoseTest, CurvesShowTheMotionWithAndWithoutKeys) {
   EXPECT_EQ(leg["base"][0].back(), leg["result"][0].back()) << "after the fade";
 }
 
+TEST_F(PoseTest, StoredPosesAreAppliedWhereTheCharacterStands) {
+  Page p = page();
+  json request = pose(0.5, set_leg(0.7));
+  request["coordinates"] = true;
+  const json edited = p.ask(request);
+  ASSERT_TRUE(edited["ok"]) << edited;
+  const json& joints = edited["joints"];
+  ASSERT_EQ(joints.size(), 2u);
+  EXPECT_EQ(joints[0]["q"][0], 0) << "the root is stored without its place";
+  EXPECT_EQ(joints[0]["q"][1], 0);
+  const auto apply = [&](json more) {
+    json edit = {{"type", "pose"}, {"joints", joints}};
+    edit.update(more);
+    return p.ask(pose(1.5, {{"edit", edit}}));
+  };
+  const json before = p.ask(pose(1.5)), applied = apply(json::object());
+  ASSERT_TRUE(applied["ok"]) << applied;
+  EXPECT_NEAR(applied["angles"][1][0].get<double>(), 0.7, 1e-5);
+  const auto heading = [](const json& reply) { return 2 * std::atan2(reply["links"][6].get<double>(), reply["links"][3].get<double>()); };
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(applied["links"][i].get<double>(), before["links"][i].get<double>(), 1e-5);
+  EXPECT_NEAR(heading(applied), heading(before), 1e-4);
+  EXPECT_GT(std::fabs(heading(before) - heading(edited)), 0.05) << "the character has turned between the two times";
+  const double half = apply({{"share", 0.5}})["angles"][1][0].get<double>();
+  EXPECT_NEAR(half, 0.5 * (0.7 + before["angles"][1][0].get<double>()), 1e-5);
+  const json leg = apply({{"links", {"leg"}}});
+  ASSERT_EQ(leg["changed"].size(), 1u);
+  EXPECT_EQ(leg["changed"][0]["link"], 1);
+  for (const json& wrong :
+       {json{{"share", 2}}, json{{"links", {"wing"}}}, json{{"joints", {{{"link", "pelvis"}, {"q", {0, 0, 0, 0, 0, 0, 0}}}}}}})
+    EXPECT_FALSE(apply(wrong)["ok"]) << wrong;
+
+  const json add = {{"type", "pose.add"}, {"pose", {{"id", "p1"}, {"name", "Kick"}, {"mechanism", "m-walker"}, {"joints", joints}}}};
+  ASSERT_TRUE(p.ask({{"op", "command"}, {"command", add}})["ok"]);
+  const json pictures = p.ask({{"op", "poses"}, {"mechanism", "m-walker"}});
+  ASSERT_EQ(pictures["poses"].size(), 1u) << pictures;
+  EXPECT_EQ(pictures["poses"][0]["id"], "p1");
+  EXPECT_EQ(pictures["poses"][0]["links"].size(), 14u);
+  EXPECT_NEAR(pictures["poses"][0]["links"][2].get<double>(), edited["links"][2].get<double>(), 1e-5);
+  EXPECT_EQ(p.ask({{"op", "poses"}, {"mechanism", "m-ball"}})["poses"].size(), 0u) << "the pose does not fit the ball";
+}
+
+/// Two ways to the same pose: a stored pose applied mirrored, and applied and then mirrored.
+TEST_F(PoseTest, MirroredStoredPoseIsTheMirrorOfTheAppliedPose) {
+  Page p = page();
+  ASSERT_TRUE(p.ask({{"op", "new"}, {"path", "mirror.ugoki"}, {"from", "sample"}})["ok"]);
+  const json human = p.ask({{"op", "hello"}})["document"]["characters"][0];
+  const auto ask = [&](json more) {
+    json request = {{"op", "pose"}, {"character", human["id"]}, {"clip", human["track"][0]["id"]}, {"time", 0.4}, {"coordinates", true}};
+    request.update(more);
+    json reply = p.ask(request);
+    EXPECT_TRUE(reply["ok"]) << reply;
+    return reply;
+  };
+  const json joints = ask({{"time", 0.9}})["joints"];
+  const json applied = ask({{"edit", {{"type", "pose"}, {"joints", joints}}}});
+  const json twice = ask({{"from", applied["changed"]}, {"edit", {{"type", "mirror"}}}});
+  const json once = ask({{"edit", {{"type", "pose"}, {"joints", joints}, {"mirror", true}}}});
+  EXPECT_NE(once["angles"], applied["angles"]);
+  for (std::size_t i = 0; i < once["links"].size(); ++i)
+    EXPECT_NEAR(once["links"][i].get<double>(), twice["links"][i].get<double>(), 2e-5) << i;
+}
+
 TEST_F(PoseTest, JointsListLimitsAndPartners) {
   Page p = page();
   const json reply = p.ask({{"op", "joints"}, {"mechanism", "m-walker"}});

@@ -1,7 +1,7 @@
 import { describe, expect, it, vi } from 'vitest';
 import { curves_of, layer_change, move_keys, picks_at, sample, set_slope, set_tangent } from '../src/core/posing/curves';
-import { edit_keys, key_command, key_slopes, key_times, moment_of, motion_time, scenario_times, value_at, weight_at, type Key, type KeyedLayer } from '../src/core/posing/keys';
-import { clip_at, Poser } from '../src/core/posing/poser';
+import { edit_keys, key_command, key_slopes, key_times, layer_times, moment_of, motion_time, scenario_times, value_at, weight_at, type Key, type KeyedLayer } from '../src/core/posing/keys';
+import { clip_at, cross_fade_at, Poser } from '../src/core/posing/poser';
 import { apply_command, type Clip } from '../src/core/document';
 import { CommandRegistry } from '../src/core/commands';
 import type { Session } from '../src/core/session';
@@ -54,6 +54,29 @@ describe('time of the motion', () => {
     expect(motion_time(looped, 3.25, 1)).toBeCloseTo(0.5, 12);
     expect(scenario_times(looped, 0.5, 1).length).toBe(8);
     for (const t of scenario_times(looped, 0.5, 1)) expect(motion_time(looped, t, 1)).toBeCloseTo(0.5, 9);
+  });
+});
+
+describe('marks of keys on a clip', () => {
+  it('are at the times at which the clip plays keys of layers that are on', () => {
+    const first = layer([{ link: 'a', keys: [key(1, 1), key(2.5, 1), key(0.2, 1)] }]);
+    const second = layer([{ link: 'b', keys: [key(2.5, 1), key(3, 1)] }], { id: 'l2' });
+    expect(layer_times({ ...clip, layers: [first, second] }, 10)).toEqual([2.25, 3, 3.25]);
+    expect(layer_times({ ...clip, layers: [first, { ...second, on: false }] }, 10)).toEqual([2.25, 3]);
+    expect(layer_times({ ...clip, loop: true, offset: 0, layers: [layer([{ link: 'a', keys: [key(0.5, 1)] }])] }, 2)).toEqual([2.25, 3.25, 4.25, 5.25]);
+    expect(layer_times(clip, 10)).toEqual([]);
+  });
+});
+
+describe('cross-fades', () => {
+  it('mix the posed clip with the other clip of the overlap', () => {
+    const doc = sample_document(); // k1 from 1 to 3.2 s; k2 from 3 s on, with a cross-fade of 0.3 s
+    const mixed = (clip_id: string, time: number): string | undefined => cross_fade_at(doc, { character: 'human', clip: clip_id, time })?.id;
+    expect(mixed('k2', 3.1)).toBe('k1');
+    expect(mixed('k1', 3.1)).toBe('k2');
+    expect(mixed('k2', 3.4)).toBeUndefined();
+    expect(mixed('k1', 2.9)).toBeUndefined();
+    expect(mixed('k1', 1.1)).toBeUndefined();
   });
 });
 

@@ -8,6 +8,7 @@
 #include "ugoki/content/circuit_edit.h"
 #include "ugoki/content/default_circuit.h"
 #include "ugoki/content/layer_commands.h"
+#include "ugoki/content/poses.h"
 #include "ugoki/content/scenario_json.h"
 
 namespace ugoki::content {
@@ -34,7 +35,7 @@ class Work {
       std::string_view type;
       std::string (Work::*run)(Fields&);
     };
-    static constexpr std::array<Kind, 26> kinds = {{{"clip.add", &Work::clip_add},
+    static constexpr std::array<Kind, 30> kinds = {{{"clip.add", &Work::clip_add},
                                                     {"clip.set", &Work::clip_set},
                                                     {"clip.remove", &Work::clip_remove},
                                                     {"clip.split", &Work::clip_split},
@@ -56,6 +57,10 @@ class Work {
                                                     {"rule.set", &Work::rule_set},
                                                     {"rule.move", &Work::rule_move},
                                                     {"rule.remove", &Work::rule_remove},
+                                                    {"pose.add", &Work::pose_add},
+                                                    {"pose.set", &Work::pose_set},
+                                                    {"pose.remove", &Work::pose_remove},
+                                                    {"track.move", &Work::track_move},
                                                     {"scenario.set", &Work::scenario_set},
                                                     {"circuit.set", &Work::circuit_set},
                                                     {"circuit.edit", &Work::circuit_edit},
@@ -92,7 +97,7 @@ class Work {
     const auto has = [&](const auto& list) {
       return std::any_of(list.begin(), list.end(), [&](const auto& item) { return item.id == id; });
     };
-    return has(effect_.scenario.events) || has(effect_.scenario.markers) || has(effect_.scenario.rules);
+    return has(effect_.scenario.events) || has(effect_.scenario.markers) || has(effect_.scenario.rules) || has(effect_.scenario.poses);
   }
   /// Keeps an id that the command gives. If `id` is empty, creates a new id: `letter` followed by a number.
   void assign_id(std::string& id, char letter) {
@@ -260,6 +265,7 @@ class Work {
     if (c->muted != before.muted) return c->muted ? "Mute track" : "Unmute track";
     if (c->solo != before.solo) return c->solo ? "Solo track" : "End solo of track";
     if (c->locked != before.locked) return c->locked ? "Lock track" : "Unlock track";
+    if (c->group != before.group) return c->group.empty() ? "Take track out of its group" : "Group tracks";
     return "Change character";
   }
 
@@ -271,6 +277,7 @@ class Work {
     std::erase_if(document().characters, [&](const ScenarioCharacter& x) { return x.id == id; });
     std::erase_if(document().events, [&](const ScenarioEvent& e) { return e.character == id || e.grip.other == id; });
     remove_rules_of(document(), id);
+    std::erase(document().track_order, id);
     if (document().camera.follow == id) document().camera.follow.clear();
     return "Remove character";
   }
@@ -305,14 +312,13 @@ class Work {
     if (event->type != before.type)
       problems_.add(ErrorCode::structure, g.path("type"), "An event cannot change its type.", "Remove it and add another.");
     event->id = before.id;
-    const std::string type = event->type == EventType::push ? "push" : "throw";
-    return (event->time != before.time ? "Move " : "Change ") + type;
+    return (event->time != before.time ? "Move " : "Change ") + std::string(name_of(event->type));
   }
 
   std::string event_remove(Fields& f) {
     const ScenarioEvent* event = event_in(f);
     if (!event) return {};
-    const std::string id = event->id, label = event->type == EventType::push ? "Remove push" : "Remove throw";
+    const std::string id = event->id, label = "Remove " + std::string(name_of(event->type));
     std::erase_if(document().events, [&](const ScenarioEvent& e) { return e.id == id; });
     return label;
   }
@@ -413,6 +419,69 @@ class Work {
     const auto rule = rule_in(f);
     if (rule != document().rules.end()) remove_rule(document(), std::string(rule->id));
     return "Remove rule";
+  }
+
+  std::vector<ScenarioPose>::iterator pose_in(Fields& f) {
+    std::vector<ScenarioPose>& poses = document().poses;
+    std::string id;
+    f.require("id", "the pose's id");
+    f.text("id", id);
+    if (!problems_.empty()) return poses.end();
+    const auto found = std::find_if(poses.begin(), poses.end(), [&](const ScenarioPose& p) { return p.id == id; });
+    if (found == poses.end()) report_missing(f, "id", "pose", id);
+    return found;
+  }
+  void read_pose_in(Fields& f, ScenarioPose& pose) {
+    f.require("pose", "an object with the fields of the pose");
+    if (const Json* object = f.find("pose")) {
+      Fields g(*object, f.path("pose"), problems_);
+      read_pose(g, pose);
+      g.refuse_others();
+    }
+  }
+
+  std::string pose_add(Fields& f) {
+    ScenarioPose pose;
+    read_pose_in(f, pose);
+    int at = static_cast<int>(document().poses.size());
+    f.integer("at", at);
+    if (!problems_.empty()) return {};
+    assign_id(pose.id, 'p');
+    if (pose.name.empty()) pose.name = "Pose " + std::to_string(document().poses.size() + 1);
+    document().poses.insert(document().poses.begin() + std::clamp(at, 0, static_cast<int>(document().poses.size())), std::move(pose));
+    return "Store pose";
+  }
+
+  std::string pose_set(Fields& f) {
+    const auto pose = pose_in(f);
+    if (pose == document().poses.end()) return {};
+    const ScenarioPose before = *pose;
+    read_pose_in(f, *pose);
+    pose->id = before.id;
+    return pose->joints != before.joints ? "Replace stored pose" : "Rename pose";
+  }
+
+  std::string pose_remove(Fields& f) {
+    const auto pose = pose_in(f);
+    if (pose != document().poses.end()) document().poses.erase(pose);
+    return "Remove pose";
+  }
+
+  /// Changes the place of a character's track in the timeline. The order of the characters themselves, on which the bits of a simulation
+  /// depend, stays as it is.
+  std::string track_move(Fields& f) {
+    const ScenarioCharacter* c = character_in(f, "character");
+    int at = 0;
+    f.require("at", "the new index of the track");
+    f.integer("at", at);
+    if (!c || !problems_.empty()) return {};
+    std::vector<std::string> order = document().track_order;
+    for (const ScenarioCharacter& other : document().characters)
+      if (std::find(order.begin(), order.end(), other.id) == order.end()) order.push_back(other.id);
+    std::erase(order, c->id);
+    order.insert(order.begin() + std::clamp(at, 0, static_cast<int>(order.size())), c->id);
+    document().track_order = std::move(order);
+    return "Move track";
   }
 
   std::string scenario_set(Fields& f) {

@@ -7,6 +7,7 @@
 
 #include "ugoki/base/number.h"
 #include "ugoki/content/layers.h"
+#include "ugoki/content/poses.h"
 #include "ugoki/content/scenario_json.h"
 
 namespace ugoki::content {
@@ -30,6 +31,14 @@ class Checker {
       check_own_id(location + "/id", s_.rules[i].id);
       check_rule(s_.rules[i], s_, catalogue_, location, problems_);
     }
+    for (std::size_t i = 0; i < s_.poses.size(); ++i) {
+      const std::string location = root_ + "/poses/" + std::to_string(i);
+      check_own_id(location + "/id", s_.poses[i].id);
+      check_name(location + "/name", s_.poses[i].name);
+      check_pose(s_.poses[i], location, problems_);
+    }
+    for (std::size_t i = 0; i < s_.track_order.size(); ++i)
+      check_character_id(root_ + "/track_order/" + std::to_string(i), s_.track_order[i]);
   }
 
  private:
@@ -97,6 +106,8 @@ class Checker {
     check_own_id(location + "/id", c.id);
     check_name(location + "/name", c.name);
     check_color(location + "/color", c.color);
+    if (c.group.size() > 200)
+      problems_.add(ErrorCode::range, location + "/group", "The name is longer than 200 bytes.", "Give it a short name.");
     vector_range(location + "/place", {c.place.x, c.place.y, c.place.z}, 10000, "m");
     range(location + "/place/heading", c.place.heading, -36000, 36000, "degrees");
     range(location + "/control/tracking", c.control.tracking, 0, 2, "");
@@ -324,8 +335,13 @@ Scenario played_part(Scenario s) {
   });
   for (const std::string& id : left_out) remove_rules_of(s, id);
   if (!s.find_character(s.camera.follow)) s.camera.follow.clear();
-  for (ScenarioCharacter& c : s.characters) c.solo = c.locked = false;
+  for (ScenarioCharacter& c : s.characters) {
+    c.solo = c.locked = false;
+    c.group.clear();
+  }
   s.markers.clear();
+  s.poses.clear();
+  s.track_order.clear();
   s.range = {};
   return s;
 }
@@ -364,6 +380,18 @@ Result<Scenario> read_scenario(std::string_view text, std::string_view name) {
   });
   read_list(f, "markers", [&](Fields& g) { read_marker(g, s.markers.emplace_back()); });
   read_list(f, "rules", [&](Fields& g) { read_rule(g, s.rules.emplace_back()); });
+  read_list(f, "poses", [&](Fields& g) {
+    g.require("joints", "a list of joints");
+    read_pose(g, s.poses.emplace_back());
+  });
+  if (const Json* order = f.list("track_order", 10'000, "ids of characters"))
+    for (const Json& id : *order) {
+      if (id.is_string())
+        s.track_order.push_back(id.get<std::string>());
+      else
+        f.report(ErrorCode::syntax, f.path("track_order"), "The order of tracks contains a value that is not a text.",
+                 "Give ids of characters.");
+    }
   read_circuit_field(f, s);
   f.refuse_others();
   if (!problems.empty()) return fail(std::move(problems));

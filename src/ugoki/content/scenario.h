@@ -73,6 +73,7 @@ struct ScenarioCharacter {
   bool muted = false;               ///< left out of playing, with its events
   bool solo = false;                ///< if any character is solo, characters that are not solo are left out
   bool locked = false;              ///< commands that change its clips or remove it are refused
+  std::string group;                ///< name of the group of tracks to which it belongs in the timeline; empty: none
   std::vector<ScenarioClip> track;  ///< sorted by start
   friend bool operator==(const ScenarioCharacter&, const ScenarioCharacter&) = default;
 };
@@ -114,6 +115,22 @@ struct ScenarioMarker {
   friend bool operator==(const ScenarioMarker&, const ScenarioMarker&) = default;
 };
 
+/// Coordinates of one joint in a stored pose.
+struct PoseJoint {
+  std::string link;       ///< name of the link that the joint moves
+  std::vector<double> q;  ///< [nq of the joint]
+  friend bool operator==(const PoseJoint&, const PoseJoint&) = default;
+};
+
+/// A pose that a user stored under a name. The root is at x = y = 0 with heading 0. Poses have no effect on the motion until they are
+/// keyed.
+struct ScenarioPose {
+  std::string id, name;
+  std::string mechanism;  ///< id of the mechanism of the posed character; the project need not contain it any more
+  std::vector<PoseJoint> joints;
+  friend bool operator==(const ScenarioPose&, const ScenarioPose&) = default;
+};
+
 /// The part of the scenario that the studio plays (in and out point). to <= from: no range, everything is played.
 struct ScenarioRange {
   double from = 0, to = 0;  ///< s
@@ -149,9 +166,11 @@ struct Scenario {
   Vec3 gravity = {0, 0, -9.81};  ///< m/s^2, world
   ScenarioGround ground;
   std::vector<ScenarioCharacter> characters;
-  std::vector<ScenarioEvent> events;    ///< sorted by time
-  std::vector<ScenarioMarker> markers;  ///< sorted by time
-  std::vector<Rule> rules;              ///< by falling priority
+  std::vector<ScenarioEvent> events;     ///< sorted by time
+  std::vector<ScenarioMarker> markers;   ///< sorted by time
+  std::vector<Rule> rules;               ///< by falling priority
+  std::vector<ScenarioPose> poses;       ///< the pose library, in the order in which it is shown
+  std::vector<std::string> track_order;  ///< ids of characters in the order of their tracks in the timeline; others follow
   ScenarioRange range;
   ScenarioCamera camera;
   ScenarioLook look;
@@ -202,7 +221,7 @@ struct Catalogue {
 inline constexpr std::size_t max_resource_id = 21;
 
 /// Returns the part of the document that executable data contains: without characters that are muted or not solo, without their events and
-/// rules, and without markers, range and locks. A camera that follows a left-out character follows none.
+/// rules, and without markers, poses, range, locks and the layout of the timeline. A camera that follows a left-out character follows none.
 [[nodiscard]] Scenario played_part(Scenario scenario);
 
 /// Sorts clips by start, and events and markers by time; if these are equal, by id.

@@ -2,6 +2,7 @@
 
 #include "ugoki/circuit/migrate.h"
 #include "ugoki/content/layers.h"
+#include "ugoki/content/poses.h"
 
 namespace ugoki::content {
 namespace {
@@ -95,6 +96,7 @@ void read_character(Fields& f, ScenarioCharacter& out) {
   f.boolean("muted", out.muted);
   f.boolean("solo", out.solo);
   f.boolean("locked", out.locked);
+  f.text("group", out.group);
   read_object(f, "place", [&](Fields& g) { read_place(g, out.place); });
   read_object(f, "control", [&](Fields& g) { read_control(g, out.control); });
 }
@@ -226,6 +228,7 @@ Json to_json(const ScenarioCharacter& c) {
   if (c.muted) json["muted"] = true;
   if (c.solo) json["solo"] = true;
   if (c.locked) json["locked"] = true;
+  if (!c.group.empty()) json["group"] = c.group;
   return json;
 }
 
@@ -287,6 +290,12 @@ Json to_json(const Scenario& s) {
     for (const Rule& r : s.rules) rules.push_back(to_json(r));
     json["rules"] = std::move(rules);
   }
+  if (!s.poses.empty()) {
+    Json poses = Json::array();
+    for (const ScenarioPose& pose : s.poses) poses.push_back(to_json(pose));
+    json["poses"] = std::move(poses);
+  }
+  if (!s.track_order.empty()) json["track_order"] = s.track_order;
   if (!s.circuit.empty()) json["circuit"] = Json::parse(s.circuit, nullptr, false);
   return json;
 }

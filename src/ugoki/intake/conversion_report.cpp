@@ -59,7 +59,7 @@ bool contains_any(const std::string& name, std::initializer_list<std::string_vie
   return std::ranges::any_of(words, [&](std::string_view w) { return low.find(w) != std::string::npos; });
 }
 
-/// Head and feet are found by joint name, because the anatomy of a character that lies at rest is not recognised.
+/// Frames of a calibration pose are left out, because the conversion replaces them. Head and feet are found by joint name, because the anatomy of a character that lies at rest is not recognised.
 MotionExtremes find_extremes(const MeasuredMotion& m) {
   int head = -1;
   std::vector<int> feet;
@@ -76,7 +76,7 @@ MotionExtremes find_extremes(const MeasuredMotion& m) {
   std::vector<Pose> X, next;
   int counted = 0, lying = 0;
   const int stride = std::max(1, m.frames / 200);
-  for (int f = 0; f < m.frames; f += stride) {
+  for (int f = body::count_calibration_frames(m); f < m.frames; f += stride) {
     m.calc_joint_poses(f, X);
     for (const Pose& pose : X) extremes.lowest = std::min(extremes.lowest, pose.p.z);
     if (f + 1 < m.frames) {

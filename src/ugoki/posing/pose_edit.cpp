@@ -78,6 +78,11 @@ class Editor {
       if (link.joint.type == JointType::floating) v[3] = v[4] = 0;  // the character stays where it is; only its height changes
       joint_integrate(link.joint, own, v, e.share, own);
     }
+    if (m_.has_loops()) {
+      std::fill(moves_.begin(), moves_.end(), std::uint8_t{1});
+      if (m_.link(0).joint.type == JointType::floating) moves_[0] = 0;
+      solve({});
+    }
     return {};
   }
 

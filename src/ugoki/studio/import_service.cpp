@@ -97,6 +97,8 @@ std::string stage_json(std::string_view id, const std::string& file, const intak
             {"entries", entries_json(intake_result)},
             {"report", report_json(intake_result.conversion)}};
   if (intake_result.mechanism) j["mechanism"] = Json::parse(mechanism_json(id, *intake_result.mechanism));
+  // The height of the library entry, and not the extent of the neutral position, which depends on the pose of the file's skeleton at rest.
+  if (intake_result.body) j["mechanism"]["height"] = intake_result.body->height;
   if (intake_result.body && intake_result.measured) j["anatomy"] = anatomy_json(*intake_result.body, *intake_result.measured);
   if (moves) j["motion"] = Json::parse(motion_json(id, *intake_result.motion, *intake_result.mechanism));
   if (intake_result.markers && moves) j["markers"] = Json::parse(markers_json(*intake_result.markers));

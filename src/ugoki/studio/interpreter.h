@@ -82,6 +82,10 @@ class Interpreter {
   /// Sends the measures of all recorded frames in the next events `measures`, for a page that has none of them.
   void resend_measures();
 
+  /// Sends the event `recorded`: the joints of these links of a character in the recorded frames, as displacements from the neutral
+  /// position.
+  [[nodiscard]] Result<void> report_recorded(std::string_view character, const std::vector<std::string>& links);
+
   /// Sets which values of the running circuit are reported in events `values`.
   void watch(WatchRequest request);
 

@@ -143,6 +143,7 @@ Result<void> serve(Interpreter& interpreter, const Json& request, const std::vec
                        request.value("closest", request.value("nearest", false))});
     return {};
   }
+  if (op == "recorded") return interpreter.report_recorded(text_of(request, "character"), texts_of(request, "links"));
   if (op == "range") {
     constexpr double never = std::numeric_limits<double>::infinity();
     interpreter.set_range(number_of(request, "from"), number_of(request, "to", never), request.value("loop", false));

@@ -7,6 +7,7 @@
 
 #include "ugoki/circuit/devices.h"
 #include "ugoki/studio/interpreter.h"
+#include "ugoki/studio/recorded_joints.h"
 
 namespace ugoki::studio {
 namespace {
@@ -70,6 +71,56 @@ void Interpreter::report_summary() {
   }
   sink_.message(Json{{"event", "summary"}, {"characters", std::move(characters)}, {"contacts", std::move(contacts)}}.dump());
   report_measures();
+}
+
+Result<void> Interpreter::report_recorded(std::string_view character, const std::vector<std::string>& links) {
+  if (Result<void> r = require_content(); !r) return r;
+  const std::vector<CastMember>& cast = simulation_->cast();
+  const auto found = std::ranges::find(cast, character, &CastMember::id);
+  const std::vector<MechanismPtr> mechanisms = simulation_->mechanisms();
+  const auto c = static_cast<std::size_t>(found - cast.begin());
+  if (c >= mechanisms.size())
+    return fail(ErrorCode::unknown, "character", "There is no character \"" + std::string(character) + "\".",
+                "Give the id of one of the scenario's characters.");
+  const Mechanism& m = *mechanisms[c];
+  const std::size_t frames = recording_ ? recording_->frame_count() : 0;
+  std::size_t values = 1;
+  for (const std::string& name : links) {
+    const int link = m.find_link(name);
+    if (link < 0)
+      return fail(ErrorCode::unknown, "links", "\"" + std::string(character) + "\" has no link \"" + name + "\".",
+                  "Give names of its links.");
+    values += frames * static_cast<std::size_t>(m.link(link).joint.nv());
+  }
+  const std::size_t stride = (values + max_measures - 1) / max_measures;
+  Json curves = Json::array();
+  for (const std::string& name : links) {
+    const int index = m.find_link(name);
+    const Link& link = m.link(index);
+    if (link.joint.nv() == 0 || link.joint.type == JointType::floating) continue;
+    std::vector<std::vector<double>> samples(static_cast<std::size_t>(link.joint.nv()));
+    for (std::size_t n = 0; n < frames; n += stride) {
+      const Pose X = link_pose(recording_->frame(n), c, index);
+      const std::array<double, 6> x =
+          displacement_of(link.joint, link.parent < 0 ? X : link_pose(recording_->frame(n), c, link.parent).inverse() * X);
+      for (std::size_t k = 0; k < samples.size(); ++k) samples[k].push_back(x[k]);
+    }
+    Json components = Json::array();
+    for (std::vector<double>& component : samples) {
+      const bool turns = link.joint.type != JointType::prismatic && link.joint.type != JointType::spherical;
+      if (turns && &component == &samples.front() && link.joint.type != JointType::planar) unwrap(component);
+      Json rounded_values = Json::array();
+      for (const double x : component) rounded_values.push_back(std::round(x * 1e5) / 1e5);
+      components.push_back(std::move(rounded_values));
+    }
+    curves.push_back({{"link", name}, {"values", std::move(components)}});
+  }
+  const Json event{{"event", "recorded"},
+                   {"character", character},
+                   {"step", recording_ ? static_cast<double>(stride) / recording_->rate() : 0.0},
+                   {"curves", std::move(curves)}};
+  sink_.message(event.dump(-1, ' ', false, Json::error_handler_t::replace));
+  return {};
 }
 
 void Interpreter::resend_measures() {

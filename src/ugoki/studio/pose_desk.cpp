@@ -124,6 +124,93 @@ Vec3 vector_in(Fields& f, std::string_view key) {
   return {v[0], v[1], v[2]};
 }
 
+/// Makes the quaternion of a joint one of unit length. @return false if its length is far from 1
+bool normalise(const Joint& joint, double* own) {
+  const int k = joint.type == JointType::spherical ? 0 : joint.type == JointType::floating ? 3 : -1;
+  if (k < 0) return true;
+  const Quat r = {own[k], own[k + 1], own[k + 2], own[k + 3]};
+  const double length = std::sqrt(r.w * r.w + r.x * r.x + r.y * r.y + r.z * r.z);
+  if (!(length > 0.5 && length < 2)) return false;
+  for (int j = 0; j < 4; ++j) own[k + j] /= length;
+  return true;
+}
+
+/// Rotates and moves the root from x = y = 0 and heading 0 to the x, y and heading of `at`.
+void place_root(const Mechanism& m, Placement at, std::span<double> q) {
+  Placement root = root_placement(m, q);
+  root.z = at.z = 0;
+  displace_root(m, at * inverse(root), q);
+}
+
+/// Reads the edit `pose`: the joints of a stored pose, where the character stands. @param q the present pose
+posing::BlendEdit read_stored(Fields& g, const Mechanism& m, std::span<const double> q) {
+  posing::BlendEdit e;
+  e.q.assign(q.begin(), q.end());
+  g.number("share", e.share);
+  if (!(e.share >= 0 && e.share <= 1))
+    g.report(ErrorCode::range, g.path("share"), "The share " + to_text(e.share) + " is out of range.", "Give a value from 0 to 1.");
+  bool mirrored = false;
+  g.boolean("mirror", mirrored);
+  std::vector<std::uint8_t> given(at(m.link_count())), wanted(at(m.link_count()), 1);
+  const Json* joints = g.list("joints", at(m.link_count()), "joints");
+  for (std::size_t i = 0; joints && i < joints->size(); ++i) {
+    Fields h((*joints)[i], g.path("joints") + "/" + std::to_string(i), g.problems());
+    std::string name;
+    h.require("link", "the link's name");
+    h.text("link", name);
+    const int index = m.find_link(name);
+    if (index < 0) continue;  // a pose of a similar body: joints that this one does not have are left out
+    double* own = e.q.data() + m.link(index).q_index;
+    if (!h.numbers("q", {own, at(m.link(index).joint.nq())})) continue;
+    if (!normalise(m.link(index).joint, own))
+      h.report(ErrorCode::range, h.path("q"), "The quaternion is not of unit length.", "Give the coordinates of an earlier answer.");
+    given[at(index)] = 1;
+  }
+  if (const Json* links = g.list("links", at(m.link_count()), "names of links")) {
+    std::fill(wanted.begin(), wanted.end(), std::uint8_t{0});
+    for (const Json& name : *links) {
+      const int index = name.is_string() ? m.find_link(name.get<std::string>()) : -1;
+      if (index < 0)
+        g.report(ErrorCode::unknown, g.path("links"), "The mechanism '" + m.name() + "' has no link " + json::to_text(name) + ".",
+                 "Give names of its links.");
+      else
+        wanted[at(index)] = 1;
+    }
+  }
+  if (!g.problems().empty()) return e;
+  place_root(m, root_placement(m, q), e.q);
+  if (mirrored) {
+    if (Result<void> done = posing::edit_pose(m, posing::MirrorEdit{}, {}, e.q); !done) {
+      for (Problem& p : done.error().problems) g.problems().problems.push_back(std::move(p));
+      return e;
+    }
+    const std::vector<int> partners = motion_edit::find_mirror_links(m);
+    std::vector<std::uint8_t> exchanged(given.size());
+    for (std::size_t i = 0; i < given.size(); ++i)
+      if (partners[i] >= 0) exchanged[at(partners[i])] = given[i];
+    given = exchanged;
+  }
+  for (int i = 0; i < m.link_count(); ++i)
+    if (given[at(i)] && wanted[at(i)]) e.links.push_back(i);
+  return e;
+}
+
+/// Coordinates of all joints as they are stored: the root at x = y = 0 with heading 0.
+Json stored_joints(const Mechanism& m, std::span<const double> pose) {
+  std::vector<double> q(pose.begin(), pose.end());
+  place_root(m, {}, q);
+  Json out = Json::array();
+  for (int i = 0; i < m.link_count(); ++i) {
+    const Link& link = m.link(i);
+    if (link.joint.nq() == 0) continue;
+    Json own = Json::array();
+    for (int k = 0; k < link.joint.nq(); ++k)
+      own.push_back(rounded(q[at(link.q_index + k)], 1e-9));  // finer than `same`, so that a pose at its own time changes no joint
+    out.push_back({{"link", link.name}, {"q", std::move(own)}});
+  }
+  return out;
+}
+
 /// Reads the field `edit`. `q` is the present pose.
 std::optional<posing::PoseEdit> read_edit(Fields& f, const Mechanism& m, std::span<const double> q) {
   const Json* object = f.find("edit");
@@ -166,21 +253,7 @@ std::optional<posing::PoseEdit> read_edit(Fields& f, const Mechanism& m, std::sp
   } else if (type == "mirror") {
     out = posing::MirrorEdit{};
   } else if (type == "pose") {
-    posing::BlendEdit e;
-    e.q.assign(q.begin(), q.end());
-    g.number("share", e.share);
-    const Json* joints = g.list("joints", at(m.link_count()), "joints");
-    for (std::size_t i = 0; joints && i < joints->size(); ++i) {
-      Fields h((*joints)[i], g.path("joints") + "/" + std::to_string(i), g.problems());
-      std::string name;
-      h.require("link", "the link's name");
-      h.text("link", name);
-      const int index = m.find_link(name);
-      if (index < 0) continue;  // a pose of a similar body: joints that this one does not have are left out
-      h.numbers("q", {e.q.data() + m.link(index).q_index, at(m.link(index).joint.nq())});
-      e.links.push_back(index);
-    }
-    out = e;
+    out = read_stored(g, m, q);
   } else if (f.problems().empty()) {
     g.report(ErrorCode::unknown, g.path("type"), "There is no edit '" + type + "'.", "Use turn, set, reach, mirror or pose.");
   }
@@ -203,15 +276,9 @@ void read_from(Fields& f, const Mechanism& m, std::span<double> q) {
     const Joint& joint = m.link(link).joint;
     double* own = q.data() + m.link(link).q_index;
     if (!g.numbers("q", {own, at(joint.nq())})) continue;
-    for (int k : {joint.type == JointType::spherical ? 0 : -1, joint.type == JointType::floating ? 3 : -1}) {
-      if (k < 0) continue;
-      const Quat r = {own[k], own[k + 1], own[k + 2], own[k + 3]};
-      const double length = std::sqrt(r.w * r.w + r.x * r.x + r.y * r.y + r.z * r.z);
-      if (!(length > 0.5 && length < 2)) {
-        g.report(ErrorCode::range, g.path("q"), "The quaternion is not of unit length.", "Give the coordinates of an earlier answer.");
-        return;
-      }
-      for (int j = 0; j < 4; ++j) own[k + j] /= length;
+    if (!normalise(joint, own)) {
+      g.report(ErrorCode::range, g.path("q"), "The quaternion is not of unit length.", "Give the coordinates of an earlier answer.");
+      return;
     }
   }
 }
@@ -255,8 +322,9 @@ Result<std::string> PoseDesk::pose(const project::Project& project, const Json& 
       return fail(ErrorCode::conflict, "layer", "The layer '" + shown.clip->layers[layer].name + "' is off or has the weight 0.",
                   "Switch the layer on, or choose another layer.");
   }
-  bool free = false;
+  bool free = false, coordinates = false;
   f.boolean("free", free);
+  f.boolean("coordinates", coordinates);
   posing::PoseEditOptions options;
   options.limits = !free;
   if (const Json* pins = f.list("pins", at(m.link_count()), "pins"))
@@ -322,6 +390,7 @@ Result<std::string> PoseDesk::pose(const project::Project& project, const Json& 
   Json out = {{"motion_time", phase.time},     {"links", poses_json(m, q)}, {"angles", std::move(angles)},
               {"changed", std::move(changed)}, {"keys", std::move(keys)},   {"planted", std::move(planted)}};
 
+  if (coordinates) out["joints"] = stored_joints(m, q);
   if (const Json* times = f.list("ghosts", max_ghosts, "times")) {
     Json ghosts = Json::array();
     for (const Json& t : *times) {
@@ -395,6 +464,31 @@ Result<std::string> PoseDesk::curves(const project::Project& project, const Json
     list.push_back({{"link", m.link(track.link).name}, {"part", track.name}, {"base", track.base}, {"result", track.result}});
   return ",\"duration\":" + json::to_text(duration) + ",\"from\":" + json::to_text(from) + ",\"step\":" + json::to_text(step) +
          ",\"curves\":" + json::to_text(list);
+}
+
+Result<std::string> PoseDesk::stored(const project::Project& project, const Json& request) {
+  Error problems;
+  Fields f(request, "", problems);
+  std::string id;
+  f.require("mechanism", "a mechanism's id");
+  f.text("mechanism", id);
+  if (!problems.empty()) return fail(std::move(problems));
+  const auto found = project.resources().mechanisms.find(id);
+  if (found == project.resources().mechanisms.end())
+    return fail(ErrorCode::unknown, "mechanism", "The project has no mechanism '" + id + "'.", "Give the id of a character's mechanism.");
+  const Mechanism& m = *found->second;
+  Json list = Json::array();
+  for (const content::ScenarioPose& pose : project.scenario().poses) {
+    std::vector<double> q = m.neutral();
+    const bool fits = std::ranges::all_of(pose.joints, [&](const content::PoseJoint& joint) {
+      const int index = m.find_link(joint.link);
+      if (index < 0 || joint.q.size() != at(m.link(index).joint.nq())) return false;
+      std::copy(joint.q.begin(), joint.q.end(), q.begin() + m.link(index).q_index);
+      return normalise(m.link(index).joint, q.data() + m.link(index).q_index);
+    });
+    if (fits) list.push_back({{"id", pose.id}, {"links", poses_json(m, q)}});
+  }
+  return ",\"poses\":" + json::to_text(list);
 }
 
 Result<std::string> PoseDesk::joints(const project::Project& project, const Json& request) {

@@ -1,6 +1,6 @@
 #pragma once
-// Answers the requests `pose`, `curves` and `joints` of a page (docs/studio-protocol.md): poses of a character on its track, changed by
-// hand, and the keys that give these poses. Never changes the project.
+// Answers the requests `pose`, `curves`, `poses` and `joints` of a page (docs/studio-protocol.md): poses of a character on its track,
+// changed by hand, and the keys that give these poses. Never changes the project.
 
 #include <cstdint>
 #include <optional>
@@ -19,6 +19,8 @@ class PoseDesk {
   [[nodiscard]] Result<std::string> pose(const project::Project& project, const json::Json& request);
   /// Joint curves of a clip with and without its layers.
   [[nodiscard]] Result<std::string> curves(const project::Project& project, const json::Json& request);
+  /// Poses of all links for the stored poses that fit a mechanism, for pictures.
+  [[nodiscard]] static Result<std::string> stored(const project::Project& project, const json::Json& request);
   /// Limits, axes and mirror partners of the joints of a mechanism.
   [[nodiscard]] static Result<std::string> joints(const project::Project& project, const json::Json& request);
 

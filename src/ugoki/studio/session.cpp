@@ -25,6 +25,7 @@ namespace {
 using json::Json;
 
 constexpr std::size_t max_watched = 1000;    // maximum number of outputs in a `watch` request
+constexpr std::size_t max_recorded = 64;     // maximum number of links in a `recorded` request
 constexpr std::size_t max_choices = 16'384;  // maximum size of the stored choices, bytes; keymap, theme and view need a few hundred
 
 std::string text_of(const Json& json) { return json::to_text(json); }
@@ -163,6 +164,7 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
   }
   if (request.op == "pose") return poses_.pose(project_, request.json);
   if (request.op == "curves") return poses_.curves(project_, request.json);
+  if (request.op == "poses") return PoseDesk::stored(project_, request.json);
   if (request.op == "joints") return PoseDesk::joints(project_, request.json);
   if (request.op == "remember") return remember(request);
   if (request.op == "breakpoints") return set_breakpoints(request);
@@ -321,6 +323,10 @@ Result<void> Session::check_transport(const Request& request) const {
     if (!field("timing").is_boolean()) return Request::invalid_field("timing", "true or false");
     for (const char* key : {"closest", "nearest"})  // "nearest" is the old name of "closest"
       if (!field(key).is_null() && !field(key).is_boolean()) return Request::invalid_field(key, "true or false");
+  } else if (op == "recorded") {
+    if (!field("character").is_string()) return Request::invalid_field("character", "a character's id");
+    if (!field("links").is_array() || field("links").size() > max_recorded)
+      return Request::invalid_field("links", "a list of at most " + std::to_string(max_recorded) + " names of links");
   } else if (op == "input") {
     if (Result<circuit::DeviceChange> r = circuit::read_device_change(text_of(request.json)); !r) return fail(std::move(r.error()));
   } else if (op != "pause" && op != "restart" && op != "release") {

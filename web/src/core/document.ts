@@ -5,6 +5,7 @@
 import { apply_changes, type Change, type Circuit } from './circuit/form';
 import type { Vec3 } from './protocol';
 import { edit_keys, type KeyedLayer, type KeyName, type KeyPut } from './posing/keys';
+import type { StoredPose } from './posing/pose_library';
 import type { Rule } from './rules';
 
 /** Place on the floor of a character's first frame, world frame, m. Without clips: place of its neutral pose. */
@@ -56,6 +57,8 @@ export interface Character {
   solo?: boolean;
   /** True: the service refuses commands that change the clips of the character or remove it. */
   locked?: boolean;
+  /** Name of the group of tracks to which the character belongs in the timeline. */
+  group?: string;
   place: Place;
   control: Control;
   track: Clip[];
@@ -78,6 +81,19 @@ export interface ScenarioEvent {
   velocity?: Vec3;
   /** Angular velocity of a thrown body, world frame, rad/s. */
   spin?: Vec3;
+  /** Gripping point of a grab in the frame of the link, m. */
+  point?: Vec3;
+  /** Character and link that a grab grips; both empty: the world. */
+  other?: string;
+  other_link?: string;
+  /** Gripped point in the frame of the other link, or in the world, m; null: the link grips where it is. */
+  at?: Vec3 | null;
+  /** True: the grip holds the orientation too. */
+  rigid?: boolean;
+  /** Force that opens a grip, N. */
+  limit?: number;
+  /** Maximum distance of the two points of a grip, m. */
+  reach?: number;
 }
 
 /** A named time of the scenario, for snapping and jumping. */
@@ -112,6 +128,10 @@ export interface ScenarioDocument {
   markers?: Marker[];
   /** By falling priority. Absent: there are none. */
   rules?: Rule[];
+  /** Stored poses. Absent: there are none. */
+  poses?: StoredPose[];
+  /** Ids of characters in the order of their tracks; the others follow. Absent: the order of `characters`. */
+  track_order?: string[];
   /** Absent or null: the whole scenario is played. */
   range?: PlayRange | null;
   camera?: { follow?: string | null; distance?: number; azimuth?: number; elevation?: number };
@@ -132,7 +152,11 @@ export type Command =
   | { type: 'layer.move'; character: string; clip: string; layer: string; at: number }
   | { type: 'key.edit'; character: string; clip: string; layer: string; take?: KeyName[]; put?: KeyPut[]; label?: string }
   | { type: 'character.add'; mechanism: string; id?: string; name?: string; place?: Partial<Place>; color?: string; control?: Partial<Control> }
-  | { type: 'character.set'; id: string; name?: string; color?: string; place?: Partial<Place>; control?: Partial<Control>; muted?: boolean; solo?: boolean; locked?: boolean }
+  | { type: 'character.set'; id: string; name?: string; color?: string; place?: Partial<Place>; control?: Partial<Control>; muted?: boolean; solo?: boolean; locked?: boolean; group?: string }
+  | { type: 'track.move'; character: string; at: number }
+  | { type: 'pose.add'; pose: Omit<StoredPose, 'id'> & { id?: string }; at?: number }
+  | { type: 'pose.set'; id: string; pose: Partial<Omit<StoredPose, 'id'>> }
+  | { type: 'pose.remove'; id: string }
   | { type: 'character.remove'; id: string }
   | { type: 'event.add'; event: Omit<ScenarioEvent, 'id'> & { id?: string } }
   | { type: 'event.set'; id: string; event: Partial<Omit<ScenarioEvent, 'id' | 'type'>> }
@@ -144,7 +168,7 @@ export type Command =
   | { type: 'rule.set'; id: string; rule: Partial<Omit<Rule, 'id'>> }
   | { type: 'rule.move'; id: string; at: number }
   | { type: 'rule.remove'; id: string }
-  | ({ type: 'scenario.set' } & Partial<Omit<ScenarioDocument, 'version' | 'characters' | 'events' | 'rules' | 'circuit'>>)
+  | ({ type: 'scenario.set' } & Partial<Omit<ScenarioDocument, 'version' | 'characters' | 'events' | 'rules' | 'poses' | 'track_order' | 'circuit'>>)
   | { type: 'circuit.set'; circuit: Circuit | null }
   | { type: 'circuit.edit'; label: string; changes: Change[] }
   | { type: 'group'; label: string; commands: Command[] };
@@ -162,6 +186,19 @@ export const is_left_out = (doc: ScenarioDocument, character: Character): boolea
   Boolean(character.muted) || (!character.solo && doc.characters.some((c) => c.solo));
 
 export const find_event = (doc: ScenarioDocument, id: string): ScenarioEvent | undefined => doc.events.find((e) => e.id === id);
+
+/** The characters in the order of their tracks in the timeline. */
+export function in_track_order(doc: ScenarioDocument): Character[] {
+  const order = doc.track_order ?? [];
+  const first = order.flatMap((id) => find_character(doc, id) ?? []);
+  return [...first, ...doc.characters.filter((c) => !order.includes(c.id))];
+}
+
+/** Ids in the order of the tracks, after the track of `character` has moved to index `at`. */
+function move_track(doc: ScenarioDocument, character: string, at: number): string[] {
+  const ids = in_track_order(doc).map((c) => c.id).filter((id) => id !== character);
+  return ids.toSpliced(Math.min(Math.max(0, at), ids.length), 0, character);
+}
 
 /** End of the last clip or event, s. The "fit" command shows the time up to here, and a new clip starts here. */
 export function content_end(doc: ScenarioDocument): number {
@@ -224,6 +261,17 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
       const { type: _type, id, place, control, ...fields } = command;
       return map_character(doc, id, (c) => ({ ...c, ...fields, place: { ...c.place, ...place }, control: { ...c.control, ...control } }));
     }
+    case 'track.move':
+      return { ...doc, track_order: move_track(doc, command.character, command.at) };
+    case 'pose.add': {
+      const { id } = command.pose;
+      const poses = doc.poses ?? [];
+      return id === undefined ? doc : { ...doc, poses: poses.toSpliced(command.at ?? poses.length, 0, { ...command.pose, id }) };
+    }
+    case 'pose.set':
+      return { ...doc, poses: (doc.poses ?? []).map((p) => (p.id === command.id ? { ...p, ...command.pose } : p)) };
+    case 'pose.remove':
+      return { ...doc, poses: (doc.poses ?? []).filter((p) => p.id !== command.id) };
     case 'character.remove':
       return { ...doc, characters: doc.characters.filter((c) => c.id !== command.id) };
     case 'event.set': {

@@ -167,6 +167,7 @@ export type ServiceEvent =
   | ({ event: 'breakpoint' } & BreakpointHit)
   | { event: 'circuit'; problems: Problem[] }
   | ({ event: 'values' } & ValuesEvent)
+  | ({ event: 'recorded' } & RecordedEvent)
   | ({ event: 'stopped' } & StoppedEvent);
 
 export type Request =
@@ -192,7 +193,8 @@ export type Request =
   | MotionRequest
   | PoseRequest
   | { op: 'curves'; character: string; clip: string; links: string[] }
-  | { op: 'joints'; mechanism: string }
+  | { op: 'joints' | 'poses'; mechanism: string }
+  | { op: 'recorded'; character: string; links: string[] }
   | { op: 'motion.cancel'; task: string };
 
 /**
@@ -218,7 +220,8 @@ export type PoseEdit =
   | { type: 'set'; link: number; dof: number; value: number }
   | { type: 'reach'; link: number; point: Vec3; target: Vec3; moves: 'limb' | 'body' }
   | { type: 'mirror' }
-  | { type: 'pose'; share: number; joints: { link: string; q: number[] }[] };
+  /** Moves joints towards a stored pose. `links`: names of the links whose joints move; absent: all. */
+  | { type: 'pose'; share: number; joints: { link: string; q: number[] }[]; mirror?: boolean; links?: string[] };
 
 export interface PoseRequest {
   op: 'pose';
@@ -236,6 +239,8 @@ export interface PoseRequest {
   free?: boolean;
   /** Times of the scenario for which the poses of the document are also answered, s. */
   ghosts?: number[];
+  /** True: the answer contains `joints`. */
+  coordinates?: boolean;
 }
 
 export interface PoseReply {
@@ -251,6 +256,17 @@ export interface PoseReply {
   /** Links that touch the ground at this time in the motion. */
   planted: number[];
   ghosts?: number[][];
+  /** Coordinates of all joints, as a stored pose has them. */
+  joints?: { link: string; q: number[] }[];
+}
+
+/** Joints of a character in the recorded simulation. */
+export interface RecordedEvent {
+  character: string;
+  /** Distance of the samples, s; the first is at time 0. */
+  step: number;
+  /** Displacements from the neutral position, rad or m: a list of samples for each DOF. */
+  curves: { link: string; values: number[][] }[];
 }
 
 export interface JointFacts {

@@ -552,7 +552,7 @@ export class Session {
         this.set({ measures: this.state.measures.after(event) });
         break;
       case 'opened':
-        this.set({ summary: initial_state.summary, measures: initial_state.measures, selection: { kind: 'none' }, dialog: 'none' });
+        this.set({ summary: initial_state.summary, measures: initial_state.measures, recorded: null, selection: { kind: 'none' }, dialog: 'none' });
         this.on_opened();
         void this.request({ op: 'hello' }).then((hello) => hello && this.connected(hello as unknown as HelloReply));
         break;
@@ -576,6 +576,9 @@ export class Session {
       }
       case 'circuit':
         this.set({ circuit_problems: event.problems });
+        break;
+      case 'recorded':
+        this.set({ recorded: event });
         break;
       case 'values':
         this.live.take(event, performance.now());

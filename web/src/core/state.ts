@@ -6,7 +6,7 @@ import type { Breakpoint, BreakpointHit } from './circuit/breakpoints';
 import { ClassList } from './circuit/classes';
 import type { Circuit } from './circuit/form';
 import { MeasureHistory } from './measures';
-import type { CharacterInfo, LogLine, MechanismData, Problem, ProjectInfo, RecentProject, Summary, Transport } from './protocol';
+import type { CharacterInfo, LogLine, MechanismData, Problem, ProjectInfo, RecentProject, RecordedEvent, Summary, Transport } from './protocol';
 
 export type Selection =
   | { kind: 'none' }
@@ -67,6 +67,8 @@ export interface StudioState {
   summary: Summary;
   /** Measures of the simulated motion over time. A new object after every change. */
   measures: MeasureHistory;
+  /** The last answer to a request `recorded`; null: none in this project. */
+  recorded: RecordedEvent | null;
   /** The generated circuit; used only if the document has no circuit of its own. */
   generated: Circuit | null;
   classes: ClassList;
@@ -120,6 +122,7 @@ export const initial_state: StudioState = {
   transport: initial_transport,
   summary: { characters: [], contacts: [] },
   measures: new MeasureHistory(),
+  recorded: null,
   generated: null,
   classes: new ClassList(),
   circuit_problems: [],

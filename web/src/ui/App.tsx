@@ -13,9 +13,11 @@ import { NaturalnessPanel } from './NaturalnessPanel';
 import { ClipMenu } from './motion/ClipMenu';
 import { MotionDialog } from './motion/MotionDialog';
 import { CurvesPanel } from './posing/CurvesPanel';
+import { PosesPanel } from './posing/PosesPanel';
 import { Tasks } from './motion/Tasks';
 import { RulesPanel } from './rules/RulesPanel';
 import { ScenarioPanel } from './ScenarioPanel';
+import { begin_first_tour, Tour } from './Tour';
 import { TopBar } from './TopBar';
 import { ViewportPanel } from './ViewportPanel';
 
@@ -31,6 +33,7 @@ const components: Record<string, FunctionComponent> = {
   circuit: CircuitPanel,
   rules: RulesPanel,
   curves: CurvesPanel,
+  poses: PosesPanel,
 };
 
 const toggle_maximized = (api: { isMaximized(): boolean; maximize(): void; exitMaximized(): void }): void => (api.isMaximized() ? api.exitMaximized() : api.maximize());
@@ -82,13 +85,19 @@ function default_layout(api: DockviewApi): void {
   api.addPanel({ id: 'log', component: 'log', title: 'Log', inactive: true, position: { referencePanel: 'scenario', direction: 'within' } });
   const narrow = window.innerWidth < 1400;
   api.addPanel({ id: 'library', component: 'library', title: 'Library', initialWidth: Math.round((narrow ? 220 : 248) * unit), position: { referencePanel: 'viewport', direction: 'left' } });
+  add_poses(api);
   api.addPanel({ id: 'inspector', component: 'inspector', title: 'Inspector', initialWidth: Math.round((narrow ? 256 : 284) * unit), position: { referencePanel: 'viewport', direction: 'right' } });
   scenario.group.api.setSize({ height });
   scenario.api.setActive();
 }
 
+function add_poses(api: DockviewApi): void {
+  if (api.getPanel('library') && !api.getPanel('poses')) api.addPanel({ id: 'poses', component: 'poses', title: 'Poses', inactive: true, position: { referencePanel: 'library', direction: 'within' } });
+}
+
 /** Adds the panels that layouts stored by older versions lack. */
 function add_missing(api: DockviewApi): void {
+  add_poses(api);
   for (const [id, title, index] of [['curves', 'Curves', 1], ['circuit', 'Circuit', 2], ['rules', 'Rules', 3]] as const)
     if (!api.getPanel(id)) api.addPanel({ id, component: id, title, inactive: true, position: { referencePanel: 'scenario', direction: 'within', index } });
 }
@@ -205,6 +214,8 @@ export function App(): ReactElement {
     };
   }, []);
 
+  useEffect(begin_first_tour, []);
+
   // lay out the dock whenever its element changes size, also while the page loads
   useEffect(() => {
     const element = frame.current;
@@ -267,6 +278,7 @@ export function App(): ReactElement {
       <ImportDialog />
       <MotionDialog />
       <Tasks />
+      <Tour />
     </div>
   );
 }

@@ -4,7 +4,7 @@ import { describe_items, items_span, move_items, type Item } from '../core/items
 import { format_label } from '../core/format';
 import { link_position } from '../core/frames';
 import { describe_entry, format_length, format_mass } from '../core/library/words';
-import type { LibraryEntry, Vec3 } from '../core/protocol';
+import type { LibraryEntry, MechanismData, Vec3 } from '../core/protocol';
 import { shown_document } from '../core/state';
 import { run } from './actions';
 import { session, usePoser, useStudio } from './app';
@@ -109,11 +109,12 @@ function CharacterFields({ character, link, doc, posing }: { character: Characte
       </h3>
       {mechanism && (
         <p className="facts">
-          {format_length(mechanism.height)} · {format_mass(mechanism.mass)} · {mechanism.dofs} DOF
+          {format_length(session.entry(character.mechanism)?.height || mechanism.height)} · {format_mass(mechanism.mass)} · {mechanism.dofs} DOF
         </p>
       )}
       {posing && joint}
       <TextField label="Name" value={character.name} on_commit={(name) => send({ type: 'character.set', id: character.id, name })} />
+      <TextField label="Group" value={character.group ?? ''} optional placeholder="none" title="Tracks of characters with the same group are shown together in the timeline and can be folded" on_commit={(group) => send({ type: 'character.set', id: character.id, group })} />
       <div className="field">
         <label htmlFor={`color-${character.id}`}>Colour</label>
         <ColorInput id={`color-${character.id}`} value={character.color ?? '#e6e6ea'} on_commit={(color) => send({ type: 'character.set', id: character.id, color })} />
@@ -219,11 +220,48 @@ function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocume
           <VectorFields label="Spin" unit="rad/s" step={0.05} value={event.spin ?? [0, 0, 0]} on_commit={(spin) => send(set({ spin }))} />
         </>
       )}
+      {(event.type === 'grab' || event.type === 'release') && mechanism && (
+        <ChoiceField label="Link" value={event.link ?? ''} choices={link_choices(mechanism)} title={event.type === 'grab' ? 'The link that grips' : 'The link that releases what it grips'} on_commit={(link) => send(set({ link }))} />
+      )}
+      {event.type === 'grab' && <GrabFields event={event} doc={doc} set={set} />}
       <div className="actions">
+        {event.type === 'grab' && <button type="button" title="Add an event at the playhead at which the link releases what it grips" onClick={() => run('edit.release')}>Release here</button>}
         <button type="button" title="Move the playhead to 0.2 s before the event" onClick={() => session.seek(Math.max(0, event.time - 0.2))}>Go to event</button>
         <button type="button" onClick={() => run('edit.duplicate')}>Duplicate</button>
         <button type="button" onClick={() => run('edit.remove')}>Delete</button>
       </div>
+    </>
+  );
+}
+
+const link_choices = (mechanism: MechanismData): [string, string][] => mechanism.links.map((l) => [l.name, format_label(l.label || l.name)]);
+
+/** What a grab grips, where, and when it opens. */
+function GrabFields({ event, doc, set }: { event: ScenarioEvent; doc: ScenarioDocument; set: (fields: Partial<Omit<ScenarioEvent, 'id' | 'type'>>) => Command }): ReactElement {
+  const other = event.other ? find_character(doc, event.other) : undefined;
+  const mechanism = useStudio((s) => (other ? s.mechanisms[other.mechanism] : undefined));
+  const grip = (id: string): void => {
+    const body = id ? find_character(doc, id) : undefined;
+    const first = body && session.state.mechanisms[body.mechanism]?.links.find((l) => body.id !== event.character || l.name !== event.link);
+    send(set({ other: id, other_link: first?.name ?? '', at: null }));
+  };
+  return (
+    <>
+      <h4>Grip</h4>
+      <ChoiceField label="Grips" value={event.other ?? ''} choices={[['', 'the world'], ...doc.characters.map((c): [string, string] => [c.id, c.name])]} title="What the link grips" on_commit={grip} />
+      {mechanism && <ChoiceField label="Its link" value={event.other_link ?? ''} choices={link_choices(mechanism)} on_commit={(other_link) => send(set({ other_link }))} />}
+      <ChoiceField
+        label="Where"
+        value={event.at ? 'point' : 'here'}
+        choices={[['here', 'where it is'], ['point', 'at a point']]}
+        title="Where it is: the link grips at its place at the time of the event. At a point: a point of the other link, or of the world; the two points are pulled together"
+        on_commit={(where) => send(set({ at: where === 'point' ? [0, 0, 0] : null }))}
+      />
+      {event.at && <VectorFields label="At" unit="m" step={0.01} value={event.at} on_commit={(at) => send(set({ at }))} />}
+      <VectorFields label="Point" unit="m" step={0.01} value={event.point ?? [0, 0, 0]} on_commit={(point) => send(set({ point }))} />
+      <SwitchField label="Hold orientation" value={event.rigid ?? false} title="On: the link keeps its orientation to what it grips. Off: it can turn about the point" on_commit={(rigid) => send(set({ rigid }))} />
+      <NumberField label="Opens above" unit="N" value={event.limit ?? 450} step={10} min={1} title="A larger force for more than 0.05 s opens the grip; 400 to 500 N is the strength of a human hand" on_commit={(limit) => send(set({ limit }))} />
+      <NumberField label="Reach" unit="m" value={event.reach ?? 0.15} step={0.01} min={0} max={10} title="If the points are further apart at the time of the event, nothing is gripped" on_commit={(reach) => send(set({ reach }))} />
     </>
   );
 }

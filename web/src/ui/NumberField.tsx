@@ -147,11 +147,12 @@ export function NumberField(props: NumberFieldProps): ReactElement {
   );
 }
 
-export function TextField({ label, value, on_commit, disabled }: { label: string; value: string; on_commit: (value: string) => void; disabled?: boolean }): ReactElement {
+/** @param optional true: the text may be empty */
+export function TextField({ label, value, on_commit, disabled, optional, title, placeholder }: { label: string; value: string; on_commit: (value: string) => void; disabled?: boolean; optional?: boolean; title?: string; placeholder?: string }): ReactElement {
   const id = useId();
   const [text, set_text] = useState<string | null>(null);
   const commit_text = (): void => {
-    if (text !== null && text.trim() && text !== value) on_commit(text.trim());
+    if (text !== null && (text.trim() || optional) && text !== value) on_commit(text.trim());
     set_text(null);
   };
   return (
@@ -162,6 +163,8 @@ export function TextField({ label, value, on_commit, disabled }: { label: string
         className="text"
         value={text ?? value}
         disabled={disabled}
+        title={title}
+        placeholder={placeholder}
         spellCheck={false}
         onChange={(e) => set_text(e.target.value)}
         onBlur={commit_text}

@@ -4,10 +4,12 @@ import { add_items, items_of, move_items, selection_of, type Item } from '../cor
 import { format_ruler, format_time } from '../core/format';
 import { fit_view, pan_by, round_to_frame, ruler_steps, time_to_x, x_to_time, zoom_at, type TimeView } from '../core/timeline';
 import { shown_document } from '../core/state';
+import { track_rows } from '../core/track_groups';
 import { add_character, add_motion, run } from './actions';
-import { page, parts, plain_canvas, session, useStudio } from './app';
+import { page, parts, plain_canvas, session, usePage, useStudio } from './app';
+import { Icon } from './icons';
 import { MarkerFlags, RangeBar } from './markers';
-import { drop_target, EventTrack, Track, type DropGhost } from './tracks';
+import { drop_target, EventTrack, GroupRow, Track, type DropGhost } from './tracks';
 
 /** The scenario panel: ruler, tracks, events and contact bars. Clips and their drags are in tracks.tsx. */
 export function ScenarioPanel(): ReactElement {
@@ -24,6 +26,8 @@ export function ScenarioPanel(): ReactElement {
   /** True until the user zooms or pans. While true, the whole scenario is fitted to the panel whenever the panel's size changes. */
   const fitted = useRef(true);
   const duration = doc?.duration ?? 10;
+  const folded = usePage((s) => s.folded);
+  const ripple = usePage((s) => s.ripple);
 
   useLayoutEffect(() => {
     const element = lanes.current;
@@ -215,6 +219,9 @@ export function ScenarioPanel(): ReactElement {
           <button type="button" className="quiet" title="Add a marker at the playhead  (M)" onClick={() => run('marker.add')}>
             + Marker
           </button>
+          <button type="button" className="quiet ripple" aria-pressed={ripple} aria-label="Ripple" title="Ripple: moving, trimming or deleting a clip moves everything after it  (Shift E)" onClick={() => run('edit.ripple')}>
+            <Icon name="ripple" />
+          </button>
         </div>
         <div className="ruler-box">
           <Ruler view={view} width={width} rate={rate} duration={duration} time_at={time_at} />
@@ -224,9 +231,9 @@ export function ScenarioPanel(): ReactElement {
       </div>
       <div className="tracks" onPointerDown={begin_marquee}>
         <div className="lane-size" ref={lanes} />
-        {doc.characters.map((character) => (
-          <div key={character.id} onDragOver={(e) => drag_over(e, character.id)}>
-            <Track character={character} view={view} on_guide={set_guide} ghost={ghost?.character === character.id ? ghost : null} on_ghost={set_ghost} />
+        {track_rows(doc, folded).map((row) => row.kind === 'group' ? <GroupRow key={`group ${row.name}`} name={row.name} members={row.members} folded={row.folded} view={view} /> : (
+          <div key={row.character.id} className={row.grouped ? 'grouped' : undefined} onDragOver={(e) => drag_over(e, row.character.id)}>
+            <Track character={row.character} view={view} on_guide={set_guide} ghost={ghost?.character === row.character.id ? ghost : null} on_ghost={set_ghost} />
           </div>
         ))}
         <EventTrack doc={doc} view={view} on_guide={set_guide} />

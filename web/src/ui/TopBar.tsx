@@ -19,6 +19,7 @@ function CommandButton({ id, icon, title, accent, pressed }: { id: string; icon:
       disabled={command?.enabled?.() === false}
       aria-label={label}
       aria-pressed={pressed}
+      data-command={id}
       title={key ? `${label}  (${show_key(key)})` : label}
       onClick={() => run(id)}
     >
@@ -73,7 +74,7 @@ export function TopBar(): ReactElement {
           <CommandButton id="edit.redo" icon="redo" title={redo_label ? `Redo: ${redo_label}` : 'Redo'} />
           <CommandButton id="file.save" icon="save" />
         </div>
-        <div className="segmented" role="radiogroup" aria-label="Mode">
+        <div className="segmented modes" role="radiogroup" aria-label="Mode">
           {(['edit', 'simulate'] as const).map((mode) => (
             <button
               key={mode}

@@ -1,5 +1,7 @@
 /** All commands of the page: id, label, keys, and the function that runs. */
 import { content_end, find_character, find_clip, find_event, fit_blends, free_name, free_place, track_end, with_room, type Clip, type ClipFields, type Command } from '../core/document';
+import { insert_time, ripple_remove } from '../core/ripple';
+import { link_position } from '../core/frames';
 import { all_items, duplicate_items, remove_items, selection_of } from '../core/items';
 import { next_span, timed_measures, type BadSpan } from '../core/measures';
 import type { AppCommand } from '../core/commands';
@@ -9,7 +11,9 @@ import { reads_anything } from '../core/play_controls';
 import type { StudioState, ViewOptions } from '../core/state';
 import { RequestError, type ServiceError } from '../core/protocol';
 import { lowest_point } from '../view/character_view';
-import { access, circuit, parts, poser, registry, session } from './app';
+import { new_pose_name, store_pose } from '../core/posing/pose_library';
+import { end_tour } from './Tour';
+import { access, circuit, page, parts, poser, registry, session } from './app';
 
 const state = (): StudioState => session.state;
 const has_document = (): boolean => state().document !== null;
@@ -32,6 +36,8 @@ const toggle = (option: keyof ViewOptions) => (): void => set_view({ [option]: !
 
 function remove_selection(): void {
   const { selection, document } = state();
+  const clip = selected_clip();
+  if (page.getState().ripple && clip && document) return void session.edit(ripple_remove(document, clip.character, clip.clip));
   if (selection.kind === 'items' && document) {
     const command = remove_items(document, selection.items);
     if (command) void session.edit(command);
@@ -258,6 +264,67 @@ function add_push(): void {
   });
 }
 
+/** World position of a link in the shown frame, m; null if no frame shows it. */
+function shown_position(character: string, link: number): readonly number[] | null {
+  const frame = session.frames.latest;
+  const shown = frame?.characters[state().characters.findIndex((c) => c.id === character)];
+  return frame && shown && link < shown.links ? link_position(frame, shown, link) : null;
+}
+
+/** Adds a grab at the playhead: the selected link grips the nearest link of another character, or the world if there is none. */
+function add_grab(): void {
+  const { document, selection, mechanisms } = state();
+  if (!document || selection.kind !== 'character' || selection.link === undefined) return session.notify('Click the link that shall grip, for example a hand, then add the grab.');
+  const { character, link } = selection;
+  const own = find_character(document, character);
+  const name = own && mechanisms[own.mechanism]?.links[link]?.name;
+  const hand = shown_position(character, link);
+  if (!own || !name || !hand) return;
+  let nearest: { distance: number; other: string; other_link: string } | null = null;
+  for (const c of document.characters) {
+    if (c.id === character) continue;
+    mechanisms[c.mechanism]?.links.forEach((l, i) => {
+      const at = shown_position(c.id, i);
+      const distance = at ? Math.hypot(at[0]! - hand[0]!, at[1]! - hand[1]!, at[2]! - hand[2]!) : Infinity;
+      if (l.shapes.length > 0 && distance < (nearest?.distance ?? Infinity)) nearest = { distance, other: c.id, other_link: l.name };
+    });
+  }
+  const target = nearest as { distance: number; other: string; other_link: string } | null;
+  const event = session.fresh_id('e');
+  const { other, other_link } = target ?? { other: '', other_link: '' };
+  void session.edit({ type: 'event.add', event: { id: event, type: 'grab', time: frame_time(), character, link: name, point: [0, 0, 0], other, other_link, at: null, rigid: false, limit: 450, reach: 0.15 } }).then((ok) => {
+    if (ok) session.select({ kind: 'event', event });
+  });
+}
+
+/** Adds a release at the playhead, of the link of the selected grab or of the selected link. */
+function add_release(): void {
+  const { document, selection, mechanisms } = state();
+  if (!document) return;
+  const grab = selection.kind === 'event' ? find_event(document, selection.event) : undefined;
+  const own = selection.kind === 'character' ? find_character(document, selection.character) : undefined;
+  const character = grab?.character ?? own?.id;
+  const link = grab?.link ?? (own && selection.kind === 'character' && selection.link !== undefined ? mechanisms[own.mechanism]?.links[selection.link]?.name : undefined);
+  if (!character || !link) return session.notify('Select a grab, or the link that shall release.');
+  if (grab && frame_time() <= grab.time) return session.notify('Move the playhead after the grab first: the release is added at the playhead.');
+  const event = session.fresh_id('e');
+  void session.edit({ type: 'event.add', event: { id: event, type: 'release', time: frame_time(), character, link } }).then((ok) => {
+    if (ok) session.select({ kind: 'event', event });
+  });
+}
+
+/** Stores the present pose of the selected character, and shows the poses panel. @return the id of the stored pose; null if nothing can be posed */
+export async function store_pose_of_selection(): Promise<string | null> {
+  const joints = await poser.capture();
+  const { document } = state();
+  const character = document && poser.state.target ? find_character(document, poser.state.target.character) : undefined;
+  if (!joints || !document || !character) return null;
+  const id = session.fresh_id('p');
+  if (!(await session.edit(store_pose(id, new_pose_name(document), character.mechanism, joints)))) return null;
+  parts.show_panel('poses');
+  return id;
+}
+
 function save_camera(): void {
   const eye = parts.viewport?.rig.current;
   if (!eye) return;
@@ -345,6 +412,7 @@ const pose_commands: AppCommand[] = [
   { id: 'pose.auto_key', label: 'Auto-key: every change of a pose sets keys', group: 'Pose', enabled: () => poser.state.on, run: () => poser.set_auto_key(!poser.state.auto_key) },
   { id: 'pose.moves', label: 'Drag moves the limb or the whole body', group: 'Pose', keys: ['G'], enabled: () => poser.state.on, run: () => poser.set_moves(poser.state.moves === 'limb' ? 'body' : 'limb') },
   { id: 'pose.pin', label: 'Pin the selected link, or remove its pin', group: 'Pose', keys: ['P'], enabled: () => posing() && typeof parts.posing?.link === 'number', run: () => poser.toggle_pin(poser.state.target!.character, parts.posing!.link!) },
+  { id: 'pose.store', label: 'Store the pose of the selected character', group: 'Pose', keys: ['Alt+P'], enabled: () => selected_character(state()) !== null, run: () => void store_pose_of_selection() },
   { id: 'pose.mirror', label: 'Mirror the pose', group: 'Pose', keys: ['Shift+M'], enabled: posing, run: () => void poser.apply({ type: 'mirror' }, 'Mirror pose') },
 ];
 
@@ -393,6 +461,10 @@ const commands: AppCommand[] = [
     },
   },
   { id: 'edit.push', label: 'Add push at playhead', group: 'Edit', keys: ['Shift+P'], enabled: () => (state().document?.characters.length ?? 0) > 0, run: add_push },
+  { id: 'edit.grab', label: 'Add grab of the selected link at playhead', group: 'Edit', keys: ['Shift+G'], enabled: () => (state().document?.characters.length ?? 0) > 0, run: add_grab },
+  { id: 'edit.release', label: 'Add release of the selected grab or link at playhead', group: 'Edit', keys: ['Alt+G'], enabled: has_document, run: add_release },
+  { id: 'edit.ripple', label: 'Ripple: edits of clips move everything after them', group: 'Edit', keys: ['Shift+E'], enabled: has_document, run: () => page.setState({ ripple: !page.getState().ripple }) },
+  { id: 'edit.insert_time', label: 'Insert 1 s at the playhead: move everything after it', group: 'Edit', enabled: has_document, run: () => { const { document } = state(); if (document) void session.edit(insert_time(document, frame_time(), 1)); } },
   { id: 'marker.add', label: 'Add marker at playhead', group: 'Edit', keys: ['M'], enabled: has_document, run: add_marker },
   { id: 'marker.next', label: 'Go to the next marker', group: 'Transport', keys: ['PageDown'], enabled: () => (state().document?.markers?.length ?? 0) > 0, run: () => go_to_marker(false) },
   { id: 'marker.previous', label: 'Go to the previous marker', group: 'Transport', keys: ['PageUp'], enabled: () => (state().document?.markers?.length ?? 0) > 0, run: () => go_to_marker(true) },
@@ -453,6 +525,7 @@ const commands: AppCommand[] = [
   { id: 'page.fit', label: 'Fit the timeline', group: 'Page', keys: ['Home'], run: () => parts.fit_timeline() },
   { id: 'page.palette', label: 'All commands…', group: 'Page', keys: ['Ctrl+K', 'Ctrl+P'], run: () => session.set({ dialog: state().dialog === 'palette' ? 'none' : 'palette' }) },
   { id: 'page.keys', label: 'Show keyboard shortcuts', group: 'Page', keys: ['?', 'F1'], run: () => session.set({ dialog: state().dialog === 'keys' ? 'none' : 'keys' }) },
+  { id: 'page.tour', label: 'Take the tour', group: 'Page', run: () => { session.set({ dialog: 'none' }); page.setState({ tour: 0 }); } },
   { id: 'page.theme', label: 'Switch between dark and light theme', group: 'Page', run: () => { session.set({ theme: state().theme === 'dark' ? 'light' : 'dark' }); session.remember(); } },
   { id: 'page.keymap', label: 'Switch keymap: industry or Blender-like', group: 'Page', run: () => {
     session.set({ keymap: state().keymap === 'industry' ? 'blender' : 'industry' });
@@ -461,11 +534,12 @@ const commands: AppCommand[] = [
   } },
   { id: 'page.large', label: 'Maximise or restore the panel', group: 'Page', keys: ['Ctrl+Space'], run: () => parts.toggle_maximized() },
   { id: 'page.layout', label: 'Reset the layout', group: 'Page', run: () => parts.reset_layout() },
-  ...(['library', 'inspector', 'scenario', 'curves', 'rules', 'circuit', 'naturalness', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
+  ...(['library', 'poses', 'inspector', 'scenario', 'curves', 'rules', 'circuit', 'naturalness', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
   {
     id: 'page.escape', label: 'Close, release or deselect', group: 'Page', keys: ['Escape'],
     run: () => {
       if (state().dialog !== 'none') return session.set({ dialog: 'none' });
+      if (page.getState().tour !== null) return end_tour();
       if (parts.pointer?.abandon() || poser.restore()) return;
       if (poser.state.on && state().selection.kind === 'character') return poser.switch_on(false);
       session.select({ kind: 'none' });

@@ -109,8 +109,14 @@ export interface PageState {
   character_states: Record<string, CharacterState>;
   /** Id of the library entry that is being dragged. Kept here because browsers hide the drag data until the drop. */
   dragged_entry: string | null;
+  /** True: edits of clips move everything after them. */
+  ripple: boolean;
+  /** Names of the folded groups of tracks. */
+  folded: ReadonlySet<string>;
+  /** Index of the shown step of the tour; null: the tour is not shown. */
+  tour: number | null;
 }
-export const page = createStore<PageState>(() => ({ character_states: {}, dragged_entry: null }));
+export const page = createStore<PageState>(() => ({ character_states: {}, dragged_entry: null, ripple: false, folded: new Set(), tour: null }));
 
 /** Functions of the mounted canvas of the wiring editor, for commands and for the end-to-end tests. */
 export interface CircuitCanvas {

@@ -159,6 +159,7 @@ function Keys(): ReactElement {
               </button>
             ))}
           </div>
+          <button type="button" className="quiet" onClick={() => registry.run('page.tour')}>Take the tour</button>
           <button type="button" className="tool" aria-label="Close" title="Close  (Esc)" autoFocus onClick={close}>
             <Icon name="close" />
           </button>

@@ -2,12 +2,17 @@ import { useLayoutEffect, useMemo, useRef, type ReactElement } from 'react';
 import { CharacterState } from '../core/frames';
 import { apply_command, blend_spans, find_character, fit_blends, is_left_out, type Character, type Clip, type Command, type ScenarioDocument, type ScenarioEvent } from '../core/document';
 import { format_number, format_time } from '../core/format';
+import { describe_grip, grip_end, is_grip } from '../core/grips';
+import { ripple_clip } from '../core/ripple';
+import { index_beside } from '../core/track_groups';
 import { is_selected, items_of, items_span, move_items, toggle_item, type Item } from '../core/items';
 import { changed_fields, drag_clip, ends_moving, move_clip, snap_delta, snap_targets, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
 import { shown_document } from '../core/state';
 import { describe_span, timed_measures } from '../core/measures';
 import { band_gradient } from '../core/motion/desk';
-import { desk, plain_canvas, session, useDesk, usePage, useStudio } from './app';
+import { layer_times } from '../core/posing/keys';
+import { desk, page, plain_canvas, session, useDesk, usePage, useStudio } from './app';
+import { Icon } from './icons';
 
 const edge_px = 7; // width of the zone at a clip's edge in which a drag trims the clip
 const snap_px = 8; // distance, px, within which a dragged edge snaps to a target
@@ -194,6 +199,89 @@ function TrackSwitches({ character }: { character: Character }): ReactElement {
   );
 }
 
+/** Moves a track before or after the track of `target`. */
+function move_track(character: string, target: string, after: boolean): void {
+  const { document } = session.state;
+  if (!document || character === target) return;
+  const at = index_beside(document, character, target, after);
+  void session.edit({ type: 'track.move', character, at });
+}
+
+function move_track_by_key(element: HTMLElement, character: string, down: boolean): void {
+  const rows = [...(element.closest('.tracks')?.querySelectorAll<HTMLElement>('.track[data-character]') ?? [])];
+  const target = rows[rows.findIndex((row) => row.dataset.character === character) + (down ? 1 : -1)];
+  if (target) move_track(character, target.dataset.character!, down);
+}
+
+/** Drags the header of a track up or down; a line shows where the track will be. Escape ends the drag. */
+function drag_track(event: React.PointerEvent<HTMLElement>, character: string): void {
+  const list = event.currentTarget.closest<HTMLElement>('.tracks');
+  if (event.button !== 0 || !list) return;
+  const head = event.currentTarget;
+  const from = event.clientY;
+  let line: HTMLElement | null = null;
+  let drop: { target: string; after: boolean } | null = null;
+  const move = (e: PointerEvent): void => {
+    if (!line && Math.abs(e.clientY - from) < 5) return;
+    if (!line) {
+      head.setPointerCapture(event.pointerId);
+      line = document.createElement('div');
+      line.className = 'track-drop';
+      list.append(line);
+    }
+    const rows = [...list.querySelectorAll<HTMLElement>('.track[data-character]')];
+    const over = rows.find((row) => e.clientY < row.getBoundingClientRect().bottom) ?? rows[rows.length - 1];
+    if (!over) return;
+    const box = over.getBoundingClientRect();
+    drop = { target: over.dataset.character!, after: e.clientY > box.top + box.height / 2 };
+    line.style.top = `${(drop.after ? box.bottom : box.top) - list.getBoundingClientRect().top + list.scrollTop - 1}px`;
+  };
+  const stop = (): void => {
+    line?.remove();
+    head.removeEventListener('pointermove', move);
+    head.removeEventListener('pointerup', up);
+    head.removeEventListener('pointercancel', stop);
+    window.removeEventListener('keydown', key, true);
+  };
+  const up = (): void => {
+    stop();
+    if (drop) move_track(character, drop.target, drop.after);
+  };
+  const key = (e: KeyboardEvent): void => {
+    if (e.key !== 'Escape' || !line) return;
+    e.preventDefault();
+    e.stopPropagation();
+    stop();
+  };
+  head.addEventListener('pointermove', move);
+  head.addEventListener('pointerup', up);
+  head.addEventListener('pointercancel', stop);
+  window.addEventListener('keydown', key, true);
+}
+
+/** The row above a group of tracks. While the group is folded, it shows the clips of all members in small. */
+export function GroupRow({ name, members, folded, view }: { name: string; members: readonly Character[]; folded: boolean; view: TimeView }): ReactElement {
+  const fold = (): void => {
+    const now = new Set(page.getState().folded);
+    if (!now.delete(name)) now.add(name);
+    page.setState({ folded: now });
+  };
+  return (
+    <div className="track group">
+      <button type="button" className="track-name plain" aria-expanded={!folded} title={folded ? 'Show the tracks of the group' : 'Hide the tracks of the group'} onClick={fold}>
+        <span className="fold" data-folded={folded}><Icon name="down" /></span>
+        <span className="label">{name}</span>
+        <span className="group-count">{members.length}</span>
+      </button>
+      <div className="lane" aria-hidden="true">
+        {folded && members.flatMap((c, i) => c.track.map((k) => (
+          <span key={`${c.id} ${k.id}`} className="group-clip" style={{ left: time_to_x(view, k.start), width: Math.max(2, k.length * view.scale), top: `${10 + (80 * i) / members.length}%`, height: `${Math.max(8, 64 / members.length)}%`, background: c.color ?? '#e6e6ea' }} />
+        )))}
+      </div>
+    </div>
+  );
+}
+
 interface TrackProps {
   character: Character;
   view: TimeView;
@@ -225,8 +313,15 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
         type="button"
         className="track-name"
         aria-pressed={chosen}
-        title={`Select ${character.name}`}
+        title={`Select ${character.name}\nDrag up or down, or press Alt with an arrow key, to change the order of the tracks`}
         onClick={() => session.select({ kind: 'character', character: character.id })}
+        onPointerDown={(event) => drag_track(event, character.id)}
+        onKeyDown={(event) => {
+          if (!event.altKey || (event.key !== 'ArrowUp' && event.key !== 'ArrowDown')) return;
+          event.preventDefault();
+          event.stopPropagation();
+          move_track_by_key(event.currentTarget, character.id, event.key === 'ArrowDown');
+        }}
       >
         <span className="dot" style={{ background: character.color ?? '#e6e6ea' }} />
         <span className="label">{character.name}</span>
@@ -354,7 +449,8 @@ function ClipBox({ character, clip, name, motion_duration, view, blended, covere
         other = target ? { entry: clip.motion, character: target.id, start: result.fields.start ?? clip.start, length: clip.length, refused: !fits, name } : null;
         on_ghost(other);
         const fields = other ? null : changed_fields(origin, result.fields);
-        command = fields && with_blends(document, { type: 'clip.set', character, id: clip.id, ...fields });
+        const ripples = page.getState().ripple && kind !== 'slip';
+        command = fields && (ripples ? ripple_clip(document, character, origin, fields) : with_blends(document, { type: 'clip.set', character, id: clip.id, ...fields }));
         session.show_preview(command && apply_command(document, command));
       },
       done: () => {
@@ -458,12 +554,30 @@ function ClipBox({ character, clip, name, motion_duration, view, blended, covere
           }}
         />
       )}
+      <KeyMarks clip={clip} motion_duration={motion_duration} scale={view.scale} width={width} />
       <span className="clip-name" style={covered > 0 ? { marginLeft: Math.min(covered * view.scale, width / 2) } : undefined}>
         {name}
         {details && <span className="clip-details"> {details}</span>}
       </span>
     </div>
   );
+}
+
+/** Diamonds at the times of the keys of the clip's layers; those of layers that are off are not drawn. */
+function KeyMarks({ clip, motion_duration, scale, width }: { clip: Clip; motion_duration: number | undefined; scale: number; width: number }): ReactElement | null {
+  const { layers } = clip;
+  const times = useMemo(() => (layers ? layer_times(clip, motion_duration ?? 0) : []), [clip, layers, motion_duration]);
+  if (times.length === 0) return null;
+  const size = 3; // px, from the centre of a mark to its corners
+  let last = -Infinity;
+  const path = times.flatMap((time) => {
+    const x = (time - clip.start) * scale;
+    if (x - last < 2 * size) return []; // marks that would overlap are drawn as one
+    last = x;
+    return `M${x.toFixed(1)} 0l${size} ${size}l${-size} ${size}l${-size} ${-size}z`;
+  });
+  const label = times.length === 1 ? 'Key of a pose' : `${times.length} keys of poses`;
+  return <svg className="key-marks" role="img" aria-label={label} width={width} height={2 * size + 1}><path d={path.join('')} /></svg>;
 }
 
 /** Feet in contact with the ground over time, from the simulation: green two or more, yellow one, orange none. */
@@ -520,14 +634,52 @@ function BadMarks({ character, view }: { character: string; view: TimeView }): R
   );
 }
 
+/** Label of a link of a character, or its name. */
+function link_label(character: string, link: string): string {
+  const { document, mechanisms } = session.state;
+  const mechanism = document && find_character(document, character)?.mechanism;
+  return (mechanism && mechanisms[mechanism]?.links.find((l) => l.name === link)?.label) || link;
+}
+
 export function describe_event(event: ScenarioEvent, doc: ScenarioDocument): string {
   const name = event.character ? (find_character(doc, event.character)?.name ?? event.character) : '';
   if (event.type === 'push') return `push ${name}${event.force ? ` ${format_number(Math.hypot(...event.force), 0)} N` : ''}`.trim();
   if (event.type === 'throw') return `throw ${name}`.trim();
+  if (is_grip(event)) return describe_grip(event, doc, link_label);
   return [event.type, name].filter(Boolean).join(' ');
 }
 
 export function EventTrack({ doc, view, on_guide }: { doc: ScenarioDocument; view: TimeView; on_guide: (time: number | null) => void }): ReactElement {
+  const selection = useStudio((s) => s.selection);
+  const holds = doc.events.filter(is_grip);
+  return (
+    <>
+      {holds.length > 0 && (
+        <div className="track events holds" style={{ ['--rows' as string]: hold_rows(doc, holds) }}>
+          <div className="track-name plain">
+            <span className="dot" style={{ background: 'var(--pin-contacts)' }} />
+            <span className="label">Holds</span>
+          </div>
+          <div className="lane">
+            <div className="items" role="list" aria-label="Holds">
+              {holds.map((event) => (
+                <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={is_selected(selection, { kind: 'event', event: event.id })} row={hold_row(doc, event)} />
+              ))}
+            </div>
+          </div>
+        </div>
+      )}
+      <EventRow doc={doc} view={view} on_guide={on_guide} />
+    </>
+  );
+}
+
+/** Names of the links that grip, in the order of their first event; each has a row of its own, so that the holds of two hands do not cover each other. */
+const gripping = (doc: ScenarioDocument): string[] => [...new Set(doc.events.filter(is_grip).map((e) => `${e.character} ${e.link}`))];
+const hold_row = (doc: ScenarioDocument, event: ScenarioEvent): number => gripping(doc).indexOf(`${event.character} ${event.link}`);
+const hold_rows = (doc: ScenarioDocument, holds: readonly ScenarioEvent[]): number => Math.max(1, ...holds.map((e) => hold_row(doc, e) + 1));
+
+function EventRow({ doc, view, on_guide }: { doc: ScenarioDocument; view: TimeView; on_guide: (time: number | null) => void }): ReactElement {
   const selection = useStudio((s) => s.selection);
   return (
     <div className="track events">
@@ -537,18 +689,19 @@ export function EventTrack({ doc, view, on_guide }: { doc: ScenarioDocument; vie
       </div>
       <div className="lane">
         <div className="items" role="list" aria-label="Events">
-          {doc.events.map((event) => (
+          {doc.events.filter((event) => !is_grip(event)).map((event) => (
             <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={is_selected(selection, { kind: 'event', event: event.id })} />
           ))}
         </div>
-        {doc.events.length === 0 && <span className="hint">Shift P adds a push at the playhead</span>}
+        {doc.events.length === 0 && <span className="hint">Shift P adds a push at the playhead, Shift G a grab of the selected link</span>}
       </div>
     </div>
   );
 }
 
-function EventPill({ event, doc, view, selected, on_guide }: { event: ScenarioEvent; doc: ScenarioDocument; view: TimeView; selected: boolean; on_guide: (time: number | null) => void }): ReactElement {
+function EventPill({ event, doc, view, selected, on_guide, row }: { event: ScenarioEvent; doc: ScenarioDocument; view: TimeView; selected: boolean; on_guide: (time: number | null) => void; row?: number }): ReactElement {
   const text = describe_event(event, doc);
+  const duration = event.type === 'grab' ? grip_end(doc, event) - event.time : (event.duration ?? 0);
   const down = (pointer: React.PointerEvent<HTMLElement>): void => {
     if (pointer.button !== 0) return;
     pointer.stopPropagation();
@@ -586,10 +739,10 @@ function EventPill({ event, doc, view, selected, on_guide }: { event: ScenarioEv
       role="listitem"
       tabIndex={0}
       data-event={event.id}
-      className={`pill ${event.type}${selected ? ' selected' : ''}${(event.duration ?? 0) * view.scale < min_text_px ? ' short' : ''}`}
+      className={`pill ${event.type}${selected ? ' selected' : ''}${duration * view.scale < min_text_px ? ' short' : ''}`}
       aria-label={`${text}, at ${format_time(event.time)}`}
       title={`${text}\nat ${format_number(event.time)} s`}
-      style={{ left: time_to_x(view, event.time), width: Math.max(min_pill_px, (event.duration ?? 0) * view.scale) }}
+      style={{ left: time_to_x(view, event.time), width: Math.max(min_pill_px, duration * view.scale), ...(row === undefined ? {} : { ['--row' as string]: row }) }}
       onPointerDown={down}
       onFocus={(e) => select_focused(e, { kind: 'event', event: event.id })}
     >

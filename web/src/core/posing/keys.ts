@@ -170,6 +170,14 @@ export function scenario_times(clip: Clip, t: number, duration: number): number[
   return out;
 }
 
+/** Times in the scenario at which the clip plays a key of a layer that is on, ascending, each once. @param duration of the motion, s; 0: unknown */
+export function layer_times(clip: Clip, duration: number): number[] {
+  const all = (clip.layers ?? []).filter((l) => l.on !== false).flatMap((l) => key_times(l).flatMap((t) => scenario_times(clip, t, duration)));
+  const out: number[] = [];
+  for (const time of all.sort((a, b) => a - b)) if (out.length === 0 || time - out[out.length - 1]! >= same_key) out.push(time);
+  return out;
+}
+
 /** The document after `key.edit`, for the preview. */
 export function edit_keys(layer: KeyedLayer, take: readonly KeyName[], put: readonly KeyPut[]): KeyedLayer {
   let joints = layer.joints.map((j) => ({ ...j, keys: j.keys.filter((k) => !take.some((n) => n.link === j.link && part_of(n) === part_of(j) && Math.abs(n.time - k.time) < same_key)) }));

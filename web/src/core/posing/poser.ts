@@ -43,14 +43,23 @@ export interface PoserState {
 
 const frame_wait = 700; // ms after which the frames are drawn again, if the service sends no new frame
 const ghost_distance = 0.26; // s, between the posed time and its ghosts
+const ready_wait = 2500; // ms, maximum time until the pose of a new target is known
 const default_ease = 0.3; // s, fade of a new layer
 
-/** The clip of a character that plays at `time`: the last one that has begun and has not ended. */
+/** The clip of a character that plays at `time`: the last one that has begun and has not ended. In a cross-fade this is the later clip. */
 export function clip_at(doc: ScenarioDocument, character: string, time: number): Clip | null {
   const clips = find_character(doc, character)?.track ?? [];
   let found: Clip | null = null;
   for (const clip of clips) if (clip.start <= time + 1e-6 && time <= clip.start + clip.length + 1e-6) found = clip;
   return found;
+}
+
+/** The clip with which the target's clip is mixed at the target's time; null: it plays alone. */
+export function cross_fade_at(doc: ScenarioDocument | null, { character, clip, time }: PoseTarget): Clip | null {
+  const track = (doc && find_character(doc, character)?.track) ?? [];
+  const into = track.findIndex((k, i) => i > 0 && k.blend > 0 && time >= k.start - 1e-6 && time < k.start + Math.min(k.blend, k.length) - 1e-6);
+  const pair = into > 0 ? [track[into - 1]!, track[into]!] : [];
+  return pair.some((k) => k.id === clip) ? (pair.find((k) => k.id !== clip) ?? null) : null;
 }
 
 export class Poser {
@@ -66,6 +75,8 @@ export class Poser {
   private round = 0;
   /** The target and the revision for which `reply` was requested. */
   private asked = '';
+  /** The pose that is drawn because its clip is mixed with another one; null: none. */
+  private alone: PoserState['shown'] = null;
 
   constructor(private readonly session: Session) {
     session.store.subscribe((state, before) => {
@@ -106,8 +117,13 @@ export class Poser {
     const { state } = this.session;
     const character = selected_character(state);
     if (!this.state.on || !state.document || !character || state.transport.mode !== 'edit' || state.transport.playing || state.connection !== 'open') return null;
-    const clip = clip_at(state.document, character, state.transport.time);
-    return clip && { character, clip: clip.id, time: state.transport.time };
+    const { time } = state.transport;
+    const { selection } = state;
+    // of the two clips of a cross-fade, the selected one is posed
+    const chosen = selection.kind === 'clip' ? find_clip(state.document, character, selection.clip) : undefined;
+    const inside = chosen && chosen.start <= time + 1e-6 && time <= chosen.start + chosen.length + 1e-6;
+    const clip = inside ? chosen : clip_at(state.document, character, time);
+    return clip && { character, clip: clip.id, time };
   }
 
   /** Requests the pose of the target, if it changed. */
@@ -128,7 +144,11 @@ export class Poser {
     void this.ask({ ...this.request(target), ...ghosts }).then((answer) => {
       const reply = answer as unknown as PoseReply | null;
       if (round !== this.round || !reply) return;
-      this.set({ reply, ghosts: reply.ghosts ? { character: target.character, poses: reply.ghosts } : null, ...(moved && moved === this.state.shown && moved.character !== target.character ? { shown: null } : {}) });
+      // the frames show the mixture of both clips of a cross-fade, so the posed clip is drawn alone
+      const alone = cross_fade_at(this.session.state.document, target) ? { character: target.character, links: reply.links } : null;
+      const was_alone = this.alone !== null && this.alone === this.state.shown;
+      this.alone = alone;
+      this.set({ reply, ...(alone ? { shown: alone } : was_alone ? { shown: null } : {}), ghosts: reply.ghosts ? { character: target.character, poses: reply.ghosts } : null, ...(moved && moved === this.state.shown && moved.character !== target.character ? { shown: null } : {}) });
     });
   }
 
@@ -206,7 +226,9 @@ export class Poser {
     if (!character) return 'Select a character to pose it.';
     if (state.transport.mode !== 'edit') return 'Poses are edited in the mode Edit.';
     if (state.transport.playing) return 'Pause to edit the pose.';
-    const name = state.document && find_character(state.document, character)?.name;
+    const posed = state.document && find_character(state.document, character);
+    const name = posed?.name;
+    if (posed?.track.length === 0) return `${name} has no clip. Poses are keys over a clip: drag a motion onto its track first.`;
     if (state.document && !clip_at(state.document, character, state.transport.time)) return `${name} has no clip at the playhead. Move the playhead onto a clip, or drag a motion there.`;
     return 'The pose is being loaded.';
   }
@@ -257,6 +279,28 @@ export class Poser {
     this.set({ pending: false, shown: null });
     this.update();
     return true;
+  }
+
+  /**
+   * Switches posing on, if necessary, and waits for the pose of the selected character.
+   * @return false if nothing can be posed; then a message gives the reason
+   */
+  async ready(): Promise<boolean> {
+    this.switch_on(true);
+    const limit = Date.now() + ready_wait;
+    while (Date.now() < limit && !(this.state.target && this.state.reply)) await new Promise((resolve) => setTimeout(resolve, 30));
+    if (this.state.target && this.state.reply) return true;
+    this.session.notify(this.why_not());
+    return false;
+  }
+
+  /** Coordinates of all joints of the present pose, with changes that are not keyed; null if nothing can be posed. */
+  async capture(): Promise<NonNullable<PoseReply['joints']> | null> {
+    if (!(await this.ready())) return null;
+    const { target, reply, pending } = this.state;
+    if (!target || !reply) return null;
+    const answer = (await this.ask({ ...this.request(target), from: pending ? reply.changed : [], coordinates: true })) as unknown as PoseReply | null;
+    return answer?.joints ?? null;
   }
 
   /** Applies one edit as a drag of its own. */

@@ -473,7 +473,7 @@ function Preview({ staged, busy, chosen, choose }: { staged: StagedFile; busy: b
     const markers = markers_of(staged);
     view.current.show({ mechanism: staged.mechanism, ...(staged.motion ? { motion: poses_of(staged.motion) } : {}), ...(markers ? { markers } : {}) }, true);
     seen_stage.current = staged.stage;
-    set_height(view.current.heights.character);
+    set_height(staged.mechanism.height);
   }, [staged, made]);
 
   useEffect(() => {

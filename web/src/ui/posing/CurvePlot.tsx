@@ -4,7 +4,7 @@ import type { Clip } from '../../core/document';
 import { format_ruler } from '../../core/format';
 import { move_keys, picks_at, points, same_pick, set_slope, value_of, type Curve, type KeyPick } from '../../core/posing/curves';
 import { edit_keys, find_joint, key_slopes, key_times, scenario_times, type KeyedLayer, type KeyName, type KeyPut } from '../../core/posing/keys';
-import type { CurvesReply } from '../../core/protocol';
+import type { CurvesReply, RecordedEvent } from '../../core/protocol';
 import { pan_by, round_to_frame, ruler_steps, time_to_x, x_to_time, zoom_at, type TimeView } from '../../core/timeline';
 import { parts, plain_canvas, poser, session, useStudio } from '../app';
 
@@ -23,6 +23,8 @@ interface Props {
   layer: KeyedLayer;
   reply: CurvesReply;
   curves: readonly Curve[];
+  /** Joints of the character in the recorded simulation; null: none are known. */
+  recorded: RecordedEvent | null;
   /** The selected link, whose curves are drawn in full; null: no link is selected. */
   link: string | null;
   picks: readonly KeyPick[];
@@ -34,7 +36,10 @@ interface Edit {
   put: KeyPut[];
 }
 
-export function CurvePlot({ character, clip, layer, reply, curves, link, picks, set_picks, remove }: Props): ReactElement {
+/** Samples of a curve in the recorded simulation, rad or m; empty for the root, whose coordinates depend on the place of the clip. */
+const simulated = (recorded: RecordedEvent | null, c: Curve): readonly number[] => (c.part === 'joint' && recorded?.curves.find((r) => r.link === c.link)?.values[c.component]) || [];
+
+export function CurvePlot({ character, clip, layer, reply, curves, recorded, link, picks, set_picks, remove }: Props): ReactElement {
   const canvas = useRef<HTMLCanvasElement>(null);
   const host = useRef<HTMLDivElement>(null);
   const line = useRef<HTMLDivElement>(null);
@@ -64,7 +69,7 @@ export function CurvePlot({ character, clip, layer, reply, curves, link, picks, 
   const range = ((): Range => {
     let low = Infinity;
     let high = -Infinity;
-    for (const c of curves) for (const v of [...c.result, ...c.base]) {
+    for (const c of curves) for (const v of [...c.result, ...c.base, ...(c.link === link ? simulated(recorded, c) : [])]) {
       low = Math.min(low, v * c.scale);
       high = Math.max(high, v * c.scale);
     }
@@ -183,6 +188,20 @@ export function CurvePlot({ character, clip, layer, reply, curves, link, picks, 
     const ordered = [...curves].sort((a, b) => Number(faint(b)) - Number(faint(a)));
     for (const c of ordered) if (c.keys.length > 0 && !faint(c)) draw(c, (t) => value_of({ ...c, result: c.base }, reply, layer, layer, t), 1.2, [2, 3], 0.75);
     for (const c of ordered) draw(c, (t) => value(c, t), faint(c) || c.keys.length === 0 ? 1.2 : 2, [], faint(c) ? 0.28 : c.keys.length > 0 ? 1 : 0.6);
+    // the simulated curve of the joints that are drawn in full, with dashes
+    context.strokeStyle = color('--simulated');
+    context.lineWidth = 1.4;
+    context.setLineDash([6, 3]);
+    for (const c of ordered) {
+      if (faint(c) || !recorded) continue;
+      const values = simulated(recorded, c);
+      const first = Math.max(0, Math.floor(Math.max(clip.start, x_to_time(time_view, -4)) / recorded.step));
+      const last = Math.min(values.length - 1, Math.ceil(Math.min(clip.start + clip.length, x_to_time(time_view, size.width + 4)) / recorded.step));
+      context.beginPath();
+      for (let i = first; i <= last; i++) context.lineTo(x_of(i * recorded.step), y_of(values[i]! * c.scale));
+      context.stroke();
+    }
+    context.setLineDash([]);
     for (const t of tangents) {
       context.strokeStyle = color('--text-dim');
       context.lineWidth = 1;

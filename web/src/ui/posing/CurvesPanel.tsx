@@ -1,17 +1,39 @@
 /** Curves panel: the keys of a layer of a clip, the curves of its joints, and the motion without the layer. */
-import { useEffect, useMemo, useState, type ReactElement } from 'react';
+import { useEffect, useMemo, useRef, useState, type ReactElement } from 'react';
 import { find_character, find_clip, type Clip, type Command } from '../../core/document';
 import { format_label } from '../../core/format';
 import { curve_id, curves_of, sample, set_tangent, type Curve, type KeyPick } from '../../core/posing/curves';
 import { motion_time, type KeyedLayer } from '../../core/posing/keys';
 import { clip_at } from '../../core/posing/poser';
-import type { CurvesReply } from '../../core/protocol';
+import type { CurvesReply, RecordedEvent } from '../../core/protocol';
 import { selected_character } from '../../core/state';
 import { run } from '../actions';
 import { poser, session, usePoser, useStudio } from '../app';
 import { Icon } from '../icons';
 import { NumberField } from '../NumberField';
 import { CurvePlot } from './CurvePlot';
+
+/** Drawn while the clip has no layer. */
+const no_layer: KeyedLayer = { id: '', name: '', mode: 'additive', weight: 1, ease_in: null, ease_out: null, joints: [] };
+const record_wait = 1000; // ms between two requests for the recorded curves while the simulation runs
+
+/** Joints of a character in the recorded simulation; null while nothing was simulated. */
+function use_recorded(character: string | undefined, links: readonly string[]): RecordedEvent | null {
+  const recorded = useStudio((s) => s.recorded);
+  const some = useStudio((s) => s.transport.simulated > 0);
+  const frames = useStudio((s) => s.transport.simulated);
+  const key = links.join(' ');
+  const asked = useRef(0);
+  useEffect(() => {
+    if (!character || !some || key === '') return undefined;
+    const timer = setTimeout(() => {
+      asked.current = Date.now();
+      session.ask({ op: 'recorded', character, links: [...links] }).catch(() => undefined); // the next change of the simulation asks again
+    }, Math.max(0, asked.current + record_wait - Date.now()));
+    return () => clearTimeout(timer);
+  }, [character, key, some, frames]);
+  return some && recorded?.character === character ? recorded : null;
+}
 
 const send = (command: Command): void => void session.edit(command);
 
@@ -45,6 +67,7 @@ export function CurvesPanel(): ReactElement {
   const target = shown ? `${shown.character} ${shown.clip.id}` : '';
   const key = wanted.join(' ');
   void layers;
+  const recorded = use_recorded(shown?.character, wanted);
 
   useEffect(() => {
     if (shown) void poser.need_joints(shown.character);
@@ -118,10 +141,17 @@ export function CurvesPanel(): ReactElement {
             <button key={tangent} type="button" aria-label={label} title={`${label} for the selected keys`} disabled={!layer || picks.length === 0} onClick={() => layer && edit(set_tangent(layer, picks, tangent), 'Set tangents')}><Icon name={tangent} /></button>
           ))}
           <button type="button" disabled={!layer || picks.length === 0} title="Remove the selected keys  (Del)" onClick={remove}>Delete</button>
-          <span className="curves-status">{picks.length > 0 ? `${picks.length === 1 ? '1 key' : `${picks.length} keys`} selected · ${picks[0]!.time.toFixed(2)} s in the motion` : layer && layer.joints.length > 0 ? 'Drag keys to move them; Alt breaks a tangent.' : ''}</span>
+          <span className="curves-status">{picks.length > 0 ? `${picks.length === 1 ? '1 key' : `${picks.length} keys`} selected · ${picks[0]!.time.toFixed(2)} s in the motion` : layer && layer.joints.length > 0 ? 'Drag keys to move them; Alt breaks a tangent.' : curves.length > 0 ? 'No keys yet. Press E and turn the joint to set one.' : ''}</span>
+          {curves.length > 0 && (
+            <span className="curves-legend" aria-hidden="true">
+              <span><i />with keys</span>
+              <span><i className="dotted" />motion</span>
+              <span><i className="simulated" />{recorded ? 'simulated' : 'not simulated yet'}</span>
+            </span>
+          )}
         </div>
-        {layer && layer.joints.length > 0 && reply ? (
-          <CurvePlot character={character} clip={clip} layer={layer} reply={reply} curves={curves.filter((c) => !hidden.has(curve_id(c)))} link={link && curves.some((c) => c.link === link) ? link : null} picks={picks} set_picks={set_picks} remove={remove} />
+        {curves.length > 0 && reply ? (
+          <CurvePlot character={character} clip={clip} layer={layer ?? no_layer} reply={reply} recorded={recorded} curves={curves.filter((c) => !hidden.has(curve_id(c)))} link={link && curves.some((c) => c.link === link) ? link : null} picks={picks} set_picks={set_picks} remove={remove} />
         ) : (
           <div className="curves-empty">
             <strong>No keys yet</strong>

@@ -3,10 +3,11 @@ import { useEffect, useRef, type ReactElement } from 'react';
 import * as THREE from 'three';
 import { format_label } from '../../core/format';
 import { show_key } from '../../core/keymap';
-import { find_character } from '../../core/document';
+import { find_character, find_clip, type Clip } from '../../core/document';
 import type { MechanismData } from '../../core/protocol';
 import { selected_character } from '../../core/state';
 import type { Viewport } from '../../view/viewport';
+import { clip_at, cross_fade_at } from '../../core/posing/poser';
 import { run } from '../actions';
 import { parts, poser, registry, session, usePoser, useStudio } from '../app';
 import { Icon } from '../icons';
@@ -26,6 +27,16 @@ export function PoseTools(): ReactElement | null {
   const empty = useStudio((s) => (s.document?.characters.length ?? 0) === 0);
   const blocked = useStudio((s) => s.transport.mode !== 'edit' || s.transport.playing);
   const named = useStudio((s) => s.document?.characters.find((c) => c.id === selected_character(s))?.name);
+  const fade = useStudio((s) => target && cross_fade_at(s.document, target));
+  const posed_clip = useStudio((s) => (target && s.document ? find_clip(s.document, target.character, target.clip) : undefined));
+  const nearest = useStudio((s) => {
+    const id = selected_character(s);
+    const track = id && s.document ? (find_character(s.document, id)?.track ?? []) : [];
+    const away = (k: Clip): number => Math.max(k.start - s.transport.time, s.transport.time - k.start - k.length);
+    return id && s.document && !clip_at(s.document, id, s.transport.time) ? track.toSorted((a, b) => away(a) - away(b))[0] : undefined;
+  });
+  useStudio((s) => s.library_revision);
+  const motion_name = (clip: Clip): string => session.entry(clip.motion)?.name ?? clip.motion;
   if (empty) return null;
   return (
     <>
@@ -49,7 +60,18 @@ export function PoseTools(): ReactElement | null {
               <button type="button" onClick={() => poser.restore()}>Discard</button>
             </span>
           )}
-          {!target && <span className="pose-note" role="status">{blocked ? 'Poses are edited in the mode Edit, while paused.' : named ? 'No clip at the playhead. Move it onto a clip.' : 'Click a character to pose it.'}</span>}
+          {fade && posed_clip && (
+            <span className="pose-note" role="status">
+              Cross-fade: the pose of {motion_name(posed_clip)} is shown, which is mixed with {motion_name(fade)}.
+              <button type="button" onClick={() => session.select({ kind: 'clip', character: target!.character, clip: fade.id })}>Pose {motion_name(fade)}</button>
+            </span>
+          )}
+          {!target && (
+            <span className="pose-note" role="status">
+              {blocked ? 'Poses are edited in the mode Edit, while paused.' : !named ? 'Click a character to pose it.' : nearest ? `Poses are keys over a clip, and ${named} has none here.` : `${named} has no clip. Drag a motion onto its track; poses are keys over a clip.`}
+              {!blocked && nearest && <button type="button" onClick={() => session.seek(Math.min(Math.max(session.now, nearest.start), nearest.start + nearest.length))}>Go to {motion_name(nearest)}</button>}
+            </span>
+          )}
         </div>
       )}
     </>

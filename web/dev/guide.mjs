@@ -1,0 +1,136 @@
+// Makes the pictures of docs/guide (docs/guide/images/NAME.webp): shows every panel of the studio with the sample content.
+// Run after `npm run build`, with the program `ugoki` in UGOKI_BIN: node dev/guide.mjs [names]
+import { mkdirSync, writeFileSync } from 'node:fs';
+import { fileURLToPath } from 'node:url';
+import { launch, ready } from '../e2e/browser.mjs';
+import { leg_swing_bvh } from '../e2e/library.mjs';
+import { start_service } from '../e2e/service.mjs';
+
+const wanted = process.argv.slice(2);
+const folder = fileURLToPath(new URL('../../docs/guide/images/', import.meta.url));
+const window_size = { width: 1280, height: 800 };
+const picture_width = 1000; // px, of a picture of the whole page; a panel keeps its size
+mkdirSync(folder, { recursive: true });
+
+const service = await start_service();
+const browser = await launch();
+const page = await browser.newPage({ viewport: window_size });
+
+/** Stores a picture of an element of the page, or of the whole page, as WebP. */
+async function picture(name, selector) {
+  if (wanted.length > 0 && !wanted.includes(name)) return;
+  await page.waitForTimeout(600);
+  const png = await (selector ? page.locator(selector).first() : page).screenshot();
+  const webp = await page.evaluate(
+    async ([data, limit]) => {
+      const bitmap = await createImageBitmap(new Blob([Uint8Array.from(atob(data), (c) => c.charCodeAt(0))], { type: 'image/png' }));
+      const width = Math.min(bitmap.width, limit);
+      const height = Math.round((bitmap.height * width) / bitmap.width);
+      const canvas = new OffscreenCanvas(width, height);
+      const context = canvas.getContext('2d');
+      context.imageSmoothingQuality = 'high';
+      context.drawImage(bitmap, 0, 0, width, height);
+      const bytes = new Uint8Array(await (await canvas.convertToBlob({ type: 'image/webp', quality: 0.82 })).arrayBuffer());
+      let text = '';
+      for (let i = 0; i < bytes.length; i += 4096) text += String.fromCharCode(...bytes.subarray(i, i + 4096));
+      return btoa(text);
+    },
+    [png.toString('base64'), picture_width],
+  );
+  const bytes = Buffer.from(webp, 'base64');
+  writeFileSync(`${folder}${name}.webp`, bytes);
+  console.log(`${name}.webp ${(bytes.length / 1024).toFixed(0)} KB`);
+}
+
+const tab = (name) => page.getByRole('tab', { name }).click();
+const blur = () => page.evaluate('document.activeElement?.blur?.()');
+const mode = async (name) => {
+  await page.getByRole('radio', { name }).click();
+  await page.waitForFunction((m) => window.ugoki.transport().mode === m, name.toLowerCase());
+};
+const posed = () => page.waitForFunction(() => window.ugoki.posing()?.ready);
+
+try {
+  await page.addInitScript(() => localStorage.setItem('ugoki.tour', 'done'));
+  await page.goto(service.address, { timeout: 60000 });
+  await ready(page);
+  await page.keyboard.press('a');
+  await page.waitForTimeout(1500);
+  await picture('studio');
+  await picture('library', '.library');
+  await picture('timeline', '.scenario');
+
+  // a selected character, posing, stored poses, curves
+  await page.locator('[data-character="human"] .track-name').click();
+  await picture('inspector', '.inspector');
+  await blur();
+  for (let i = 0; i < 30; i++) await page.keyboard.press('ArrowRight');
+  await page.keyboard.press('3');
+  await page.keyboard.press('f');
+  await page.keyboard.press('e');
+  await posed();
+  await page.waitForTimeout(900);
+  for (const [name, frames] of [['Contact', 0], ['Mid stance', 14], ['Stride', 16]]) {
+    await blur();
+    for (let i = 0; i < frames; i++) await page.keyboard.press('ArrowRight');
+    await posed();
+    await tab('Poses');
+    await page.getByRole('button', { name: 'Store pose', exact: true }).click();
+    await page.getByRole('textbox', { name: 'Name of the pose' }).fill(name);
+    await page.keyboard.press('Enter');
+    await page.getByRole('option', { name }).waitFor();
+  }
+  await page.getByRole('option', { name: 'Contact' }).click();
+  await picture('poses', '.poses');
+  await page.getByRole('button', { name: 'Apply', exact: true }).click();
+  await page.waitForFunction(() => window.ugoki.undo().undo_label === 'Apply pose Contact');
+  const arm = await page.evaluate("window.ugoki.link_on_screen('human', window.ugoki.link_index('human', 'forearm right'))");
+  await page.mouse.click(arm.x, arm.y);
+  await picture('posing');
+  await tab('Curves');
+  await picture('curves', '.curves');
+  await blur();
+  await page.keyboard.press('e');
+  await tab('Library');
+
+  // rules
+  await tab('Rules');
+  await page.getByRole('button', { name: 'While a key is held, play…' }).click();
+  await page.locator('.rule').waitFor();
+  await picture('rules', '.rules');
+  await tab('Circuit');
+  await page.locator('.circuit[role=application]').waitFor();
+  await page.waitForTimeout(1500);
+  await picture('circuit', '.circuit[role=application]');
+
+  // simulation, naturalness
+  await tab('Scenario');
+  await mode('Simulate');
+  await page.locator('.transport').getByRole('button', { name: 'Play' }).click();
+  await page.waitForFunction(() => window.ugoki.transport().simulated > 3, undefined, { timeout: 240000 });
+  await page.locator('.transport').getByRole('button', { name: 'Pause' }).click();
+  await page.locator('[data-character="human"] .track-name').click();
+  await picture('simulate');
+  await tab('Naturalness');
+  await picture('naturalness', '.naturalness');
+  await tab('Log');
+  await picture('log', '.log, .panel.empty');
+  await tab('Scenario');
+  await mode('Edit');
+
+  // dialogs
+  await page.keyboard.press('Control+k');
+  await picture('commands', '.palette');
+  await page.keyboard.press('Escape');
+  await page.locator('button.project').click();
+  await page.getByRole('menuitem', { name: 'New project…' }).click();
+  await picture('gallery', '.gallery');
+  await page.keyboard.press('Escape');
+  await page.locator('.library input[type=file]').setInputFiles([{ name: 'waver.bvh', mimeType: 'application/octet-stream', buffer: leg_swing_bvh() }]);
+  await page.waitForFunction(() => window.ugoki.imports().some((f) => f.status === 'ready'), undefined, { timeout: 120000 });
+  await page.waitForTimeout(1500);
+  await picture('import', '[role=dialog]');
+} finally {
+  await browser.close();
+  await service.stop();
+}
