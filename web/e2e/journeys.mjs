@@ -12,6 +12,7 @@ import { plugin_journeys } from './plugins.mjs';
 import { editor_journeys } from './editor.mjs';
 import { repair_journeys } from './repairs.mjs';
 import { posing_journeys } from './posing.mjs';
+import { look_journeys } from './looks.mjs';
 import { rule_journeys } from './rules.mjs';
 import { library_journeys } from './library.mjs';
 import { motion_journeys } from './motion.mjs';
@@ -455,7 +456,7 @@ export const journeys = [
   ...accessibility_journeys,
   ...repair_journeys,
   ...editor_journeys,
-  ...posing_journeys, ...rule_journeys,
+  ...posing_journeys, ...rule_journeys, ...look_journeys,
   ...body_journeys,
   ...motion_journeys,
   ...library_journeys,
