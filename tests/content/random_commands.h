@@ -18,7 +18,7 @@ class RandomCommands {
   /// A random command (JSON) for the document `s`.
   std::string next(const Scenario& s) {
     if (std::string removal = shrink(s); !removal.empty()) return removal;
-    switch (pick(32)) {
+    switch (pick(36)) {
       case 0:
         return R"({"type": "clip.add", "character": "human", "motion": ")" + std::string(pick(2) ? "n-walk" : "n-step") +
                R"(", "start": )" + number(0, 8) + "}";
@@ -28,8 +28,7 @@ class RandomCommands {
       case 4: return clip_command(s, R"("offset": )" + number(0, 0.5) + R"(, "length": 0.4)");
       case 5: return clip_command(s, R"("speed": )" + number(0.5, 2) + R"(, "length": 0.2)");
       case 6: return s.characters.empty() || s.characters[0].track.size() < 3 ? next(s) : command_on(s, "clip.remove", "");
-      case 7:
-      case 30: return command_on(s, "clip.split", R"(, "time": )" + number(0, 8));
+      case 7: return split_command(s);
       case 8: return R"({"type": "character.add", "mechanism": "m-ball", "place": {"x": )" + number(-5, 5) + "}}";
       case 9:
         return R"({"type": "character.set", "id": ")" + any_character(s) + R"(", "place": {"y": )" + number(-5, 5) +
@@ -84,15 +83,34 @@ class RandomCommands {
         return R"({"type": "group", "label": "Two", "commands": [)" + command + ", " + other + "]}";
       }
       case 26:
+        return R"({"type": "camera.add", "camera": {"distance": )" + number(1, 9) + R"(, "keys": [{"time": )" + number(0, 4) + "}, " +
+               R"({"time": )" + number(4, 9) + R"(, "azimuth": )" + number(-3, 3) + "}]}}";
+      case 27:
+        if (s.cameras.empty()) return next(s);
+        return pick(4) == 0 ? R"({"type": "camera.remove", "id": ")" + s.cameras[pick(s.cameras.size())].id + "\"}"
+                            : R"({"type": "camera.set", "id": ")" + s.cameras[pick(s.cameras.size())].id + R"(", "camera": {"follow": )" +
+                                  (pick(2) ? "\"" + any_character(s) + "\"" : "null") + R"(, "elevation": )" + number(-0.2, 1.6) +
+                                  (pick(2) ? R"(, "keys": []}})" : "}}");
+      case 28:
+        if (s.cameras.empty()) return next(s);
+        return R"({"type": "shot.add", "shot": {"camera": ")" + s.cameras[pick(s.cameras.size())].id + R"(", "start": )" + number(0, 9) +
+               R"(, "length": )" + number(0.1, 5) + "}}";
+      case 29:
+        if (s.shots.empty()) return next(s);
+        return pick(3) == 0
+                   ? R"({"type": "shot.remove", "id": ")" + s.shots[pick(s.shots.size())].id + "\"}"
+                   : R"({"type": "shot.set", "id": ")" + s.shots[pick(s.shots.size())].id + R"(", "shot": {"start": )" + number(0, 9) + "}}";
+      case 30: return look_command(s);
+      case 31:
         return R"({"type": "pose.add", "pose": {"mechanism": "m-walker", "joints": [{"link": "leg", "q": [)" + number(-2, 2) +
                R"(]}]}, "at": )" + std::to_string(pick(4)) + "}";
-      case 27:
+      case 32:
         if (s.poses.empty()) return next(s);
         return pick(2) ? R"({"type": "pose.set", "id": ")" + s.poses[pick(s.poses.size())].id + R"(", "pose": {"name": "P)" + number(0, 9) +
                              "\"}}"
                        : R"({"type": "pose.remove", "id": ")" + s.poses[pick(s.poses.size())].id + "\"}";
-      case 28: return R"({"type": "track.move", "character": ")" + any_character(s) + R"(", "at": )" + std::to_string(pick(4)) + "}";
-      case 29:
+      case 33: return R"({"type": "track.move", "character": ")" + any_character(s) + R"(", "at": )" + std::to_string(pick(4)) + "}";
+      case 34:
         return R"({"type": "character.set", "id": ")" + any_character(s) + R"(", "group": ")" +
                (pick(2) ? "" : "G" + std::to_string(pick(3))) + "\"}";
       default:
@@ -106,6 +124,20 @@ class RandomCommands {
 
  private:
   std::string number(double low, double high) { return std::to_string(low + (high - low) * static_cast<double>(pick(10'000)) / 9'999); }
+  /// Splits any clip of the first character.
+  std::string split_command(const Scenario& s) {
+    if (s.characters.empty() || s.characters[0].track.empty()) return R"({"type": "clip.remove", "character": "human", "id": "none"})";
+    const ScenarioClip& clip = s.characters[0].track[pick(s.characters[0].track.size())];
+    return R"({"type": "clip.split", "character": ")" + s.characters[0].id + R"(", "id": ")" + clip.id + R"(", "time": )" +
+           number(clip.start, clip.start + clip.length) + "}";
+  }
+  std::string look_command(const Scenario& s) {
+    if (pick(2))
+      return R"({"type": "character.set", "id": ")" + any_character(s) + R"(", "roughness": )" + number(0, 1.1) + R"(, "link_colors": )" +
+             (pick(2) ? "{}}" : R"({"leg": "#102030"}})");
+    return R"({"type": "scenario.set", "look": {"pattern": ")" + std::string(pick(2) ? "boards" : "grid") + R"(", "sky": )" +
+           (pick(2) ? "null" : R"({"zenith": "#204080", "horizon": "#c0d0e0"})") + R"(, "sun": {"elevation": )" + number(0, 1.6) + "}}}";
+  }
   std::string circuit_command() {
     if (pick(4) == 0) return R"({"type": "circuit.set", "circuit": null})";
     const std::string lsi =
@@ -131,6 +163,8 @@ class RandomCommands {
     if (s.markers.size() > max_length) return remove("marker.remove", s.markers);
     if (s.rules.size() > max_length) return remove("rule.remove", s.rules);
     if (s.poses.size() > max_length) return remove("pose.remove", s.poses);
+    if (s.shots.size() > max_length) return remove("shot.remove", s.shots);
+    if (s.cameras.size() > max_length) return remove("camera.remove", s.cameras);
     if (s.characters.empty() || s.characters[0].locked) return {};
     for (const ScenarioClip& clip : s.characters[0].track) {
       if (s.characters[0].track.size() > max_length) return command_on(s, "clip.remove", "");

@@ -24,7 +24,8 @@ using content::testing::make_scenario;
 constexpr std::array command_types = {"clip.add",     "clip.set",   "clip.remove",  "clip.split",    "layer.add",     "layer.set",
                                       "layer.remove", "layer.move", "key.edit",     "character.add", "character.set", "character.remove",
                                       "event.add",    "event.set",  "event.remove", "marker.add",    "marker.set",    "marker.remove",
-                                      "rule.add",     "rule.set",   "rule.move",    "rule.remove",   "scenario.set",  "circuit.set",
+                                      "rule.add",     "rule.set",   "rule.move",    "rule.remove",   "camera.add",    "camera.set",
+                                      "camera.remove", "shot.add",  "shot.set",     "shot.remove",   "scenario.set",  "circuit.set",
                                       "circuit.edit", "group"};
 
 /// Applies random commands until `count` of them have changed the document, some of them undone and done again in between. Then undoes all
@@ -234,7 +235,7 @@ TEST_F(ProjectTest, RefusedCommandsChangeNothing) {
   EXPECT_FALSE(project.can_undo());
 }
 
-TEST_F(ProjectTest, UndoAndRedoOfRandomEditsRestoreEveryState) { check_random_history(make(), 400, 1999); }
+TEST_F(ProjectTest, UndoAndRedoOfRandomEditsRestoreEveryState) { check_random_history(make(), 600, 1999); }
 
 /// As many steps as a project keeps.
 class SlowProjectTest : public ProjectTest {};

@@ -11,7 +11,7 @@ const pictures = fileURLToPath(new URL('./out/', import.meta.url));
 const axe_source = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
 /** Violations that axe-core finds in the page as it is shown, one line for each element. */
-async function violations(page) {
+export async function violations(page) {
   if (!(await page.evaluate("typeof axe === 'object'"))) await page.evaluate(axe_source);
   return page.evaluate(async () => {
     const { violations: found } = await window.axe.run(document, { resultTypes: ['violations'] });
@@ -32,6 +32,7 @@ const views = [
     await page.getByRole('dialog').waitFor();
   }, escape],
   ['a selected character', (page) => page.locator('.track-name').first().click()],
+  ['the look', (page) => page.getByRole('tab', { name: 'Look' }).click(), (page) => page.getByRole('tab', { name: 'Inspector' }).click()],
   ['a selected event', (page) => page.locator('.pill').first().click()],
   ['a library entry', (page) => page.locator('#library-list [role=option]').first().click()],
   ['the menu of an entry', (page) => page.locator('#library-list [role=option]').first().click({ button: 'right' }), escape],

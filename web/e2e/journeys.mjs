@@ -13,6 +13,7 @@ import { editor_journeys } from './editor.mjs';
 import { repair_journeys } from './repairs.mjs';
 import { posing_journeys } from './posing.mjs';
 import { timeline_journeys } from './timeline.mjs';
+import { look_journeys } from './looks.mjs';
 import { rule_journeys } from './rules.mjs';
 import { library_journeys } from './library.mjs';
 import { motion_journeys } from './motion.mjs';
@@ -456,7 +457,7 @@ export const journeys = [
   ...accessibility_journeys,
   ...repair_journeys,
   ...editor_journeys,
-  ...posing_journeys, ...timeline_journeys, ...rule_journeys,
+  ...posing_journeys, ...timeline_journeys, ...rule_journeys, ...look_journeys,
   ...body_journeys,
   ...motion_journeys,
   ...library_journeys,

@@ -1,17 +1,16 @@
-// Unpacks the script of the page (gzip in base 85, see from_base85() in src/player/payload.ts) and runs it.
+// Unpacks the script of the page (gzip in base 91, see from_base91() in src/player/payload.ts) and runs it.
 (async () => {
   try {
     const packed = document.getElementById('ugoki-page').textContent.trim();
     const value = {};
     let letter = 0;
-    for (let code = 33; code < 127; code++) if (!'"$&\'<>\\`'.includes(String.fromCharCode(code))) value[String.fromCharCode(code)] = letter++;
-    const view = new DataView(new ArrayBuffer(((packed.length - 1) / 5) * 4));
-    for (let from = 1, to = 0; from < packed.length; to += 4) {
-      let word = 0;
-      for (const end = from + 5; from < end; from++) word = word * 85 + value[packed[from]];
-      view.setUint32(to, word);
+    for (let code = 33; code < 127; code++) if (!'"<\\'.includes(String.fromCharCode(code))) value[String.fromCharCode(code)] = letter++;
+    const bytes = new Uint8Array(Math.floor(((packed.length - 1) * 13) / 16) - value[packed[0]]);
+    let word = 0, bits = 0, to = 0;
+    for (let from = 1; from < packed.length; from += 2) {
+      word = (word << 13) | (value[packed[from]] * 91 + value[packed[from + 1]]);
+      for (bits += 13; bits >= 8; ) bytes[to++] = word >> (bits -= 8);
     }
-    const bytes = new Uint8Array(view.buffer, 0, view.byteLength - value[packed[0]]);
     const text = await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'))).text();
     const script = document.createElement('script');
     script.textContent = text;

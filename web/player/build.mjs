@@ -27,22 +27,21 @@ async function bundle(entry) {
   return result[0].output.find((o) => o.type === 'chunk').code;
 }
 
-/** The bytes as text in base 85 (from_base85() in src/player/payload.ts describes it). */
-function base85(data) {
+/** The bytes as text in base 91 (from_base91() in src/player/payload.ts describes it). */
+function base91(data) {
   const letters = [];
-  for (let code = 33; code < 127; code++) if (!'"$&\'<>\\`'.includes(String.fromCharCode(code))) letters.push(String.fromCharCode(code));
-  const dropped = (4 - (data.length % 4)) % 4;
-  const bytes = Buffer.concat([data, Buffer.alloc(dropped)]);
-  const words = [letters[dropped]];
-  for (let at = 0; at < bytes.length; at += 4) {
-    let word = bytes.readUInt32BE(at), text = '';
-    for (let i = 0; i < 5; i++) {
-      text = letters[word % 85] + text;
-      word = Math.floor(word / 85);
-    }
-    words.push(text);
+  for (let code = 33; code < 127; code++) if (!'"<\\'.includes(String.fromCharCode(code))) letters.push(String.fromCharCode(code));
+  const pairs = Math.ceil((8 * data.length) / 13);
+  const bytes = Buffer.concat([data, Buffer.alloc(2)]);
+  const text = [letters[Math.floor((13 * pairs) / 8) - data.length]];
+  let word = 0, bits = 0, at = 0;
+  for (let pair = 0; pair < pairs; pair++) {
+    for (; bits < 13; bits += 8) word = ((word << 8) | bytes[at++]) & 0xfffff;
+    bits -= 13;
+    const value = (word >> bits) & 8191;
+    text.push(letters[Math.floor(value / 91)], letters[value % 91]);
   }
-  return words.join('');
+  return text.join('');
 }
 
 /** The data as text of gzip. zopfli makes it 4 % smaller than the most that zlib can do; any browser unpacks it. */
@@ -50,7 +49,7 @@ function packed(data) {
   const work = mkdtempSync(join(tmpdir(), 'ugoki-pack-'));
   try {
     writeFileSync(join(work, 'data'), data);
-    return base85(execFileSync('zopfli', ['--i5', '-c', join(work, 'data')], { maxBuffer: 1 << 28 }));
+    return base91(execFileSync('zopfli', ['--i5', '-c', join(work, 'data')], { maxBuffer: 1 << 28 }));
   } finally {
     rmSync(work, { recursive: true });
   }
@@ -66,5 +65,6 @@ const html = readFileSync(join(here, 'template.html'), 'utf8')
   .replace('@UGOKI_BOOT@', () => boot.trim());
 mkdirSync(folder, { recursive: true });
 writeFileSync(join(folder, 'player.html'), html);
+if (!element.includes('"@UGOKI_ENGINE@"')) throw new Error('The bundler has changed the quotes of the engine in ugoki-player.js; base 91 excludes " only.');
 writeFileSync(join(folder, 'ugoki-player.js'), element.replace('@UGOKI_ENGINE@', () => engine));
 console.log(`player.html ${html.length} bytes, of which engine ${engine.length} and script ${script.length}`);

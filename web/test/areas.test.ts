@@ -51,7 +51,7 @@ describe('drawn_areas', () => {
     scene.add(floor, ...meshes);
     scene.updateMatrixWorld();
     const camera = camera_at(3, -3, 1.6);
-    const areas = drawn_areas(scene, floor, camera, width, height)!;
+    const areas = drawn_areas(scene, [floor], camera, width, height)!;
     let seen = 0;
     for (const mesh of meshes) for (const [x, y] of pixels(mesh, camera)) expect(inside(areas, x, y), `pixel ${x}, ${y} (${++seen})`).toBeGreaterThan(0);
     expect(seen).toBeGreaterThan(100);
@@ -72,7 +72,7 @@ describe('drawn_areas', () => {
     const scene = new THREE.Scene();
     scene.add(mesh);
     const camera = camera_at(2, -4, 1.5);
-    const areas = drawn_areas(scene, new THREE.Group(), camera, width, height)!;
+    const areas = drawn_areas(scene, [], camera, width, height)!;
     for (const [x, y] of pixels(mesh, camera)) expect(inside(areas, x, y)).toBeGreaterThan(0);
     const covered = areas.reduce((sum, a) => sum + (a.right - a.left) * (a.top - a.bottom), 0);
     expect(covered).toBeLessThan(0.5 * width * height);
@@ -82,9 +82,9 @@ describe('drawn_areas', () => {
     const mesh = box_at(0, 0, 1);
     mesh.frustumCulled = false;
     scene.add(mesh);
-    expect(drawn_areas(scene, new THREE.Group(), camera_at(3, 0, 1), width, height)).toBeNull();
+    expect(drawn_areas(scene, [], camera_at(3, 0, 1), width, height)).toBeNull();
     mesh.visible = false;
-    expect(drawn_areas(scene, new THREE.Group(), camera_at(3, 0, 1), width, height)).toEqual([]);
+    expect(drawn_areas(scene, [], camera_at(3, 0, 1), width, height)).toEqual([]);
   });
 });
 

@@ -35,7 +35,7 @@ class Work {
       std::string_view type;
       std::string (Work::*run)(Fields&);
     };
-    static constexpr std::array<Kind, 30> kinds = {{{"clip.add", &Work::clip_add},
+    static constexpr std::array<Kind, 36> kinds = {{{"clip.add", &Work::clip_add},
                                                     {"clip.set", &Work::clip_set},
                                                     {"clip.remove", &Work::clip_remove},
                                                     {"clip.split", &Work::clip_split},
@@ -61,6 +61,12 @@ class Work {
                                                     {"pose.set", &Work::pose_set},
                                                     {"pose.remove", &Work::pose_remove},
                                                     {"track.move", &Work::track_move},
+                                                    {"camera.add", &Work::camera_add},
+                                                    {"camera.set", &Work::camera_set},
+                                                    {"camera.remove", &Work::camera_remove},
+                                                    {"shot.add", &Work::shot_add},
+                                                    {"shot.set", &Work::shot_set},
+                                                    {"shot.remove", &Work::shot_remove},
                                                     {"scenario.set", &Work::scenario_set},
                                                     {"circuit.set", &Work::circuit_set},
                                                     {"circuit.edit", &Work::circuit_edit},
@@ -97,7 +103,8 @@ class Work {
     const auto has = [&](const auto& list) {
       return std::any_of(list.begin(), list.end(), [&](const auto& item) { return item.id == id; });
     };
-    return has(effect_.scenario.events) || has(effect_.scenario.markers) || has(effect_.scenario.rules) || has(effect_.scenario.poses);
+    return has(effect_.scenario.events) || has(effect_.scenario.markers) || has(effect_.scenario.rules) || has(effect_.scenario.poses) ||
+           has(effect_.scenario.cameras) || has(effect_.scenario.shots);
   }
   /// Keeps an id that the command gives. If `id` is empty, creates a new id: `letter` followed by a number.
   void assign_id(std::string& id, char letter) {
@@ -261,6 +268,7 @@ class Work {
     if (!(c->place == before.place)) return "Place character";
     if (c->name != before.name) return "Rename character";
     if (c->color != before.color) return "Colour character";
+    if (!(c->material == before.material)) return "Change material";
     if (!(c->control == before.control)) return "Set control of character";
     if (c->muted != before.muted) return c->muted ? "Mute track" : "Unmute track";
     if (c->solo != before.solo) return c->solo ? "Solo track" : "End solo of track";
@@ -279,6 +287,8 @@ class Work {
     remove_rules_of(document(), id);
     std::erase(document().track_order, id);
     if (document().camera.follow == id) document().camera.follow.clear();
+    for (FilmCamera& camera : document().cameras)
+      if (camera.follow == id) camera.follow.clear();
     return "Remove character";
   }
 
@@ -440,6 +450,29 @@ class Work {
     }
   }
 
+  /// The camera or shot that the field `id` names; null and a problem if it does not exist.
+  template <class Item>
+  Item* film_item(Fields& f, std::vector<Item>& list, std::string_view kind) {
+    std::string id;
+    f.require("id", "the " + std::string(kind) + "'s id");
+    f.text("id", id);
+    if (!problems_.empty()) return nullptr;
+    const auto found = std::find_if(list.begin(), list.end(), [&](const Item& item) { return item.id == id; });
+    if (found != list.end()) return &*found;
+    report_missing(f, "id", kind, id);
+    return nullptr;
+  }
+  /// Reads the object in the field `kind` into a camera or shot.
+  template <class Item>
+  void read_film_item(Fields& f, std::string_view kind, void (*read)(Fields&, Item&), Item& item) {
+    f.require(kind, "an object with the fields of the " + std::string(kind));
+    if (const Json* object = f.find(kind)) {
+      Fields g(*object, f.path(kind), problems_);
+      read(g, item);
+      g.refuse_others();
+    }
+  }
+
   std::string pose_add(Fields& f) {
     ScenarioPose pose;
     read_pose_in(f, pose);
@@ -482,6 +515,54 @@ class Work {
     order.insert(order.begin() + std::clamp(at, 0, static_cast<int>(order.size())), c->id);
     document().track_order = std::move(order);
     return "Move track";
+  }
+
+  std::string camera_add(Fields& f) {
+    FilmCamera camera;
+    read_film_item(f, "camera", read_camera, camera);
+    if (!problems_.empty()) return {};
+    assign_id(camera.id, 'v');
+    if (camera.name.empty()) camera.name = "Camera " + std::to_string(document().cameras.size() + 1);
+    document().cameras.push_back(std::move(camera));
+    return "Add camera";
+  }
+  std::string camera_set(Fields& f) {
+    FilmCamera* camera = film_item(f, document().cameras, "camera");
+    if (!camera) return {};
+    const FilmCamera before = *camera;
+    read_film_item(f, "camera", read_camera, *camera);
+    camera->id = before.id;
+    if (camera->name != before.name) return "Rename camera";
+    if (camera->keys.size() > before.keys.size()) return "Key camera";
+    if (camera->keys.size() < before.keys.size()) return "Remove camera key";
+    return camera->follow != before.follow ? "Set followed character" : "Move camera";
+  }
+  /// Removes the camera together with its shots.
+  std::string camera_remove(Fields& f) {
+    if (const FilmCamera* camera = film_item(f, document().cameras, "camera")) remove_camera(document(), std::string(camera->id));
+    return "Remove camera";
+  }
+  std::string shot_add(Fields& f) {
+    FilmShot shot;
+    read_film_item(f, "shot", read_shot, shot);
+    if (!problems_.empty()) return {};
+    assign_id(shot.id, 'h');
+    document().shots.push_back(std::move(shot));
+    return "Add shot";
+  }
+  std::string shot_set(Fields& f) {
+    FilmShot* shot = film_item(f, document().shots, "shot");
+    if (!shot) return {};
+    const FilmShot before = *shot;
+    read_film_item(f, "shot", read_shot, *shot);
+    shot->id = before.id;
+    if (shot->camera != before.camera) return "Change camera of shot";
+    return shot->length != before.length ? "Trim shot" : "Move shot";
+  }
+  std::string shot_remove(Fields& f) {
+    if (const FilmShot* shot = film_item(f, document().shots, "shot"))
+      std::erase_if(document().shots, [id = std::string(shot->id)](const FilmShot& x) { return x.id == id; });
+    return "Remove shot";
   }
 
   std::string scenario_set(Fields& f) {

@@ -91,6 +91,8 @@ class Reader {
     out_.gravity = s.gravity;
     out_.ground = s.ground;
     out_.camera = s.camera;
+    out_.cameras = s.cameras;
+    out_.shots = s.shots;
     out_.look = s.look;
   }
 
@@ -109,6 +111,7 @@ class Reader {
       character.id = c.id;
       character.name = c.name;
       character.color = c.color;
+      character.material = c.material;
       character.mechanism = index_of(out_.mechanism_ids, c.mechanism);
       character.control = c.control;
       character.placement = to_placement(c.place);

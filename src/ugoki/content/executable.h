@@ -32,6 +32,7 @@ struct ExecutableClip {
 struct ExecutableCharacter {
   std::string id, name;
   std::string color;  ///< "#rrggbb"
+  ScenarioMaterial material;
   int mechanism = 0;  ///< index into Executable::mechanisms
   ScenarioControl control;
   Placement placement;                ///< planar pose in the world at the start; m, heading in rad
@@ -66,6 +67,8 @@ struct Executable {
   std::vector<ExecutableCharacter> characters;
   std::vector<ExecutableEvent> events;  ///< sorted by time
   ScenarioCamera camera;
+  std::vector<FilmCamera> cameras;
+  std::vector<FilmShot> shots;
   ScenarioLook look;
   std::string circuit;  ///< JSON, docs/circuit.md
 };

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "ugoki/base/base64.h"
+#include "ugoki/content/film_json.h"
 #include "ugoki/json/json.h"
 #include "ugoki/mechanism/state.h"
 
@@ -111,15 +112,17 @@ std::string mechanism_json(std::string_view id, const Mechanism& mechanism, std:
 
 std::string scene_json(const Executable& content) {
   Json characters = Json::array(), mechanisms = Json::array();
-  for (const ExecutableCharacter& c : content.characters)
+  for (const ExecutableCharacter& c : content.characters) {
     characters.push_back({{"id", c.id},
                           {"name", c.name},
                           {"color", c.color},
                           {"mechanism", c.mechanism},
                           {"tracks", c.control.mode != ControlMode::passive && !c.track.empty()}});
+    write_material(c.material, characters.back());
+  }
   for (std::size_t i = 0; i < content.mechanisms.size(); ++i)
     mechanisms.push_back(mechanism_display(content.mechanism_ids[i], *content.mechanisms[i], {}));
-  return json::to_text(Json{{"name", content.name},
+  Json scene = Json{{"name", content.name},
                             {"duration", content.duration},
                             {"frame_rate", content.frame_rate},
                             {"step", content.step},
@@ -129,9 +132,11 @@ std::string scene_json(const Executable& content) {
                               {"distance", content.camera.distance},
                               {"azimuth", content.camera.azimuth},
                               {"elevation", content.camera.elevation}}},
-                            {"look", {{"light", content.look.light}, {"floor", content.look.floor}}},
+                            {"look", to_json(content.look)},
                             {"characters", std::move(characters)},
-                            {"mechanisms", std::move(mechanisms)}});
+                            {"mechanisms", std::move(mechanisms)}};
+  write_film(content.cameras, content.shots, scene);
+  return json::to_text(scene);
 }
 
 }  // namespace ugoki::content

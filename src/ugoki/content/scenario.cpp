@@ -6,6 +6,7 @@
 #include <set>
 
 #include "ugoki/base/number.h"
+#include "ugoki/content/film_json.h"
 #include "ugoki/content/layers.h"
 #include "ugoki/content/poses.h"
 #include "ugoki/content/scenario_json.h"
@@ -26,6 +27,9 @@ class Checker {
     for (std::size_t i = 0; i < s_.characters.size(); ++i) check_character(s_.characters[i], root_ + "/characters/" + std::to_string(i));
     for (std::size_t i = 0; i < s_.events.size(); ++i) check_event(s_.events[i], root_ + "/events/" + std::to_string(i));
     for (std::size_t i = 0; i < s_.markers.size(); ++i) check_marker(s_.markers[i], root_ + "/markers/" + std::to_string(i));
+    for (std::size_t i = 0; i < s_.cameras.size(); ++i) check_own_id(root_ + "/cameras/" + std::to_string(i) + "/id", s_.cameras[i].id);
+    for (std::size_t i = 0; i < s_.shots.size(); ++i) check_own_id(root_ + "/shots/" + std::to_string(i) + "/id", s_.shots[i].id);
+    check_film(s_, root_, problems_);
     for (std::size_t i = 0; i < s_.rules.size(); ++i) {
       const std::string location = root_ + "/rules/" + std::to_string(i);
       check_own_id(location + "/id", s_.rules[i].id);
@@ -56,10 +60,7 @@ class Checker {
       problems_.add(ErrorCode::range, location, "The name is empty or longer than 200 bytes.", "Give it a short name.");
   }
   void check_color(const std::string& location, std::string_view value) {
-    const bool good = value.size() == 7 && value[0] == '#' && std::all_of(value.begin() + 1, value.end(), [](char c) {
-                        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
-                      });
-    if (!good)
+    if (!is_color(value))
       problems_.add(ErrorCode::syntax, location, "'" + std::string(value) + "' is not a colour.",
                     "Write it as #rrggbb, for example #e6e6ea.");
   }
@@ -85,8 +86,7 @@ class Checker {
     range(root_ + "/camera/distance", s_.camera.distance, 0.05, 1000, "m");
     range(root_ + "/camera/azimuth", s_.camera.azimuth, -1000, 1000, "rad");
     range(root_ + "/camera/elevation", s_.camera.elevation, -1.6, 1.6, "rad");
-    range(root_ + "/look/light", s_.look.light, 0, 2, "");
-    check_color(root_ + "/look/floor", s_.look.floor);
+    check_look(s_.look, root_ + "/look", problems_);
     range(root_ + "/range/from", s_.range.from, 0, day, "s");
     range(root_ + "/range/to", s_.range.to, 0, day, "s");
     if (s_.range != ScenarioRange{} && !s_.range.is_set())
@@ -125,6 +125,7 @@ class Checker {
       else
         mechanism = &it->second;
     }
+    check_material(c.material, mechanism, location, problems_);
     if (c.control.mode == ControlMode::torque) check_torque_track(c, location);
     for (std::size_t i = 0; i < c.track.size(); ++i) {
       const std::string clip_location = location + "/track/" + std::to_string(i);
@@ -321,6 +322,7 @@ void put_in_order(Scenario& scenario) {
             [](const auto& a, const auto& b) { return a.time != b.time ? a.time < b.time : a.id < b.id; });
   std::sort(scenario.markers.begin(), scenario.markers.end(),
             [](const auto& a, const auto& b) { return a.time != b.time ? a.time < b.time : a.id < b.id; });
+  put_in_order(scenario.cameras, scenario.shots);
 }
 
 Scenario played_part(Scenario s) {
@@ -335,6 +337,8 @@ Scenario played_part(Scenario s) {
   });
   for (const std::string& id : left_out) remove_rules_of(s, id);
   if (!s.find_character(s.camera.follow)) s.camera.follow.clear();
+  for (FilmCamera& camera : s.cameras)
+    if (!s.find_character(camera.follow)) camera.follow.clear();
   for (ScenarioCharacter& c : s.characters) {
     c.solo = c.locked = false;
     c.group.clear();
@@ -392,6 +396,7 @@ Result<Scenario> read_scenario(std::string_view text, std::string_view name) {
         f.report(ErrorCode::syntax, f.path("track_order"), "The order of tracks contains a value that is not a text.",
                  "Give ids of characters.");
     }
+  read_film(f, s);
   read_circuit_field(f, s);
   f.refuse_others();
   if (!problems.empty()) return fail(std::move(problems));

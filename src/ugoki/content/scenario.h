@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "ugoki/base/result.h"
+#include "ugoki/content/film.h"
+#include "ugoki/content/look.h"
 #include "ugoki/content/rules.h"
 #include "ugoki/mechanism/joint.h"
 #include "ugoki/motion_edit/keyed_layer.h"
@@ -68,6 +70,7 @@ struct ScenarioCharacter {
   std::string id, name;
   std::string mechanism;          ///< id of a mechanism
   std::string color = "#e6e6ea";  ///< "#rrggbb"
+  ScenarioMaterial material;
   ScenarioPlace place;
   ScenarioControl control;
   bool muted = false;               ///< left out of playing, with its events
@@ -145,17 +148,12 @@ struct ScenarioGround {
   friend bool operator==(const ScenarioGround&, const ScenarioGround&) = default;
 };
 
+/// The view without a shot.
 struct ScenarioCamera {
   std::string follow;                      ///< id of the character that the camera follows; empty: none
   double distance = 5;                     ///< m, from the camera to its target
   double azimuth = 0.7, elevation = 0.25;  ///< rad
   friend bool operator==(const ScenarioCamera&, const ScenarioCamera&) = default;
-};
-
-struct ScenarioLook {
-  double light = 0.9;             ///< 0 ... 2
-  std::string floor = "#2a2c31";  ///< colour, "#rrggbb"
-  friend bool operator==(const ScenarioLook&, const ScenarioLook&) = default;
 };
 
 struct Scenario {
@@ -173,6 +171,8 @@ struct Scenario {
   std::vector<std::string> track_order;  ///< ids of characters in the order of their tracks in the timeline; others follow
   ScenarioRange range;
   ScenarioCamera camera;
+  std::vector<FilmCamera> cameras;
+  std::vector<FilmShot> shots;  ///< sorted by start
   ScenarioLook look;
   std::string circuit;  ///< JSON object of docs/circuit.md; empty: the default circuit
   friend bool operator==(const Scenario&, const Scenario&) = default;

@@ -1,6 +1,7 @@
 #include "ugoki/content/scenario_json.h"
 
 #include "ugoki/circuit/migrate.h"
+#include "ugoki/content/film_json.h"
 #include "ugoki/content/layers.h"
 #include "ugoki/content/poses.h"
 
@@ -93,6 +94,7 @@ void read_character(Fields& f, ScenarioCharacter& out) {
   f.text("name", out.name);
   f.text("mechanism", out.mechanism);
   f.text("color", out.color);
+  read_material(f, out.material);
   f.boolean("muted", out.muted);
   f.boolean("solo", out.solo);
   f.boolean("locked", out.locked);
@@ -168,10 +170,7 @@ void read_settings(Fields& f, Scenario& out) {
     g.number("restitution", out.ground.restitution);
   });
   read_object(f, "camera", [&](Fields& g) { read_camera(g, out.camera); });
-  read_object(f, "look", [&](Fields& g) {
-    g.number("light", out.look.light);
-    g.text("floor", out.look.floor);
-  });
+  read_object(f, "look", [&](Fields& g) { read_look(g, out.look); });
   if (const Json* range = f.find("range"); range && range->is_null()) {
     out.range = {};
   } else {
@@ -225,6 +224,7 @@ Json to_json(const ScenarioCharacter& c) {
                  {"assist_limit", c.control.assist_limit},
                  {"beyond", "release"}}},
                {"track", std::move(track)}};
+  write_material(c.material, json);
   if (c.muted) json["muted"] = true;
   if (c.solo) json["solo"] = true;
   if (c.locked) json["locked"] = true;
@@ -277,7 +277,7 @@ Json to_json(const Scenario& s) {
                  {"distance", s.camera.distance},
                  {"azimuth", s.camera.azimuth},
                  {"elevation", s.camera.elevation}}},
-               {"look", {{"light", s.look.light}, {"floor", s.look.floor}}},
+               {"look", to_json(s.look)},
                {"circuit", nullptr}};
   if (s.range.is_set()) json["range"] = {{"from", s.range.from}, {"to", s.range.to}};
   if (!s.markers.empty()) {
@@ -296,6 +296,7 @@ Json to_json(const Scenario& s) {
     json["poses"] = std::move(poses);
   }
   if (!s.track_order.empty()) json["track_order"] = s.track_order;
+  write_film(s.cameras, s.shots, json);
   if (!s.circuit.empty()) json["circuit"] = Json::parse(s.circuit, nullptr, false);
   return json;
 }

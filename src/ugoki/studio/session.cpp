@@ -48,6 +48,18 @@ void strip(circuit::Circuit& circuit) {
   for (circuit::Circuit& inner : circuit.circuits) strip(inner);
 }
 
+/// Removes everything from the document that only changes how it is drawn, so that a light or a camera does not restart the simulation.
+void strip_display(content::Scenario& scenario) {
+  scenario.camera = {};
+  scenario.look = {};
+  scenario.cameras.clear();
+  scenario.shots.clear();
+  for (content::ScenarioCharacter& c : scenario.characters) {
+    c.color = content::ScenarioCharacter().color;
+    c.material = {};
+  }
+}
+
 /// Modification time of the folder of installed libraries; it changes when a library is installed or removed.
 std::filesystem::file_time_type shelf_stamp() {
   std::error_code ignored;
@@ -371,6 +383,7 @@ void Session::changed(std::string event) {
 
 void Session::generate() {
   content::Scenario scenario = project_.scenario();
+  strip_display(scenario);
   if (Result<circuit::Circuit> own = circuit::read_circuit(scenario.circuit); own && !scenario.circuit.empty()) {
     strip(*own);
     scenario.circuit = circuit::write_circuit(*own);

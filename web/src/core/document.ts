@@ -3,6 +3,8 @@
  * that the page previews before the service has answered.
  */
 import { apply_changes, type Change, type Circuit } from './circuit/form';
+import type { FilmCamera, FilmShot } from './film';
+import type { Look, Material } from './look';
 import type { Vec3 } from './protocol';
 import { edit_keys, type KeyedLayer, type KeyName, type KeyPut } from './posing/keys';
 import type { StoredPose } from './posing/pose_library';
@@ -46,7 +48,7 @@ export interface Clip {
   layers?: KeyedLayer[];
 }
 
-export interface Character {
+export interface Character extends Material {
   id: string;
   name: string;
   mechanism: string;
@@ -135,7 +137,11 @@ export interface ScenarioDocument {
   /** Absent or null: the whole scenario is played. */
   range?: PlayRange | null;
   camera?: { follow?: string | null; distance?: number; azimuth?: number; elevation?: number };
-  look?: { light?: number; floor?: string };
+  look?: Look;
+  /** Absent: there are none. */
+  cameras?: FilmCamera[];
+  /** Sorted by start. Absent: there are none. */
+  shots?: FilmShot[];
   circuit?: Circuit | null;
 }
 
@@ -152,11 +158,11 @@ export type Command =
   | { type: 'layer.move'; character: string; clip: string; layer: string; at: number }
   | { type: 'key.edit'; character: string; clip: string; layer: string; take?: KeyName[]; put?: KeyPut[]; label?: string }
   | { type: 'character.add'; mechanism: string; id?: string; name?: string; place?: Partial<Place>; color?: string; control?: Partial<Control> }
-  | { type: 'character.set'; id: string; name?: string; color?: string; place?: Partial<Place>; control?: Partial<Control>; muted?: boolean; solo?: boolean; locked?: boolean; group?: string }
   | { type: 'track.move'; character: string; at: number }
   | { type: 'pose.add'; pose: Omit<StoredPose, 'id'> & { id?: string }; at?: number }
   | { type: 'pose.set'; id: string; pose: Partial<Omit<StoredPose, 'id'>> }
   | { type: 'pose.remove'; id: string }
+  | ({ type: 'character.set'; id: string } & Material & { name?: string; color?: string; place?: Partial<Place>; control?: Partial<Control>; muted?: boolean; solo?: boolean; locked?: boolean; group?: string })
   | { type: 'character.remove'; id: string }
   | { type: 'event.add'; event: Omit<ScenarioEvent, 'id'> & { id?: string } }
   | { type: 'event.set'; id: string; event: Partial<Omit<ScenarioEvent, 'id' | 'type'>> }
@@ -168,7 +174,13 @@ export type Command =
   | { type: 'rule.set'; id: string; rule: Partial<Omit<Rule, 'id'>> }
   | { type: 'rule.move'; id: string; at: number }
   | { type: 'rule.remove'; id: string }
-  | ({ type: 'scenario.set' } & Partial<Omit<ScenarioDocument, 'version' | 'characters' | 'events' | 'rules' | 'poses' | 'track_order' | 'circuit'>>)
+  | { type: 'camera.add'; camera: Partial<FilmCamera> }
+  | { type: 'camera.set'; id: string; camera: Partial<Omit<FilmCamera, 'id'>> }
+  | { type: 'camera.remove'; id: string }
+  | { type: 'shot.add'; shot: FilmShot }
+  | { type: 'shot.set'; id: string; shot: Partial<Omit<FilmShot, 'id'>> }
+  | { type: 'shot.remove'; id: string }
+  | ({ type: 'scenario.set' } & Partial<Omit<ScenarioDocument, 'version' | 'characters' | 'events' | 'rules' | 'poses' | 'track_order' | 'cameras' | 'shots' | 'circuit'>>)
   | { type: 'circuit.set'; circuit: Circuit | null }
   | { type: 'circuit.edit'; label: string; changes: Change[] }
   | { type: 'group'; label: string; commands: Command[] };
@@ -313,6 +325,16 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
       const { id } = command.event;
       return id === undefined ? doc : { ...doc, events: [...doc.events, { ...command.event, id }].sort((a, b) => a.time - b.time) };
     }
+    case 'camera.set':
+      return { ...doc, cameras: (doc.cameras ?? []).map((c) => (c.id === command.id ? { ...c, ...command.camera } : c)) };
+    case 'camera.remove':
+      return { ...doc, cameras: (doc.cameras ?? []).filter((c) => c.id !== command.id), shots: (doc.shots ?? []).filter((s) => s.camera !== command.id) };
+    case 'shot.add':
+      return { ...doc, shots: [...(doc.shots ?? []), command.shot].sort((a, b) => a.start - b.start) };
+    case 'shot.set':
+      return { ...doc, shots: (doc.shots ?? []).map((s) => (s.id === command.id ? { ...s, ...command.shot } : s)).sort((a, b) => a.start - b.start) };
+    case 'shot.remove':
+      return { ...doc, shots: (doc.shots ?? []).filter((s) => s.id !== command.id) };
     case 'scenario.set': {
       const { type: _type, ...fields } = command;
       return { ...doc, ...fields };

@@ -16,6 +16,8 @@ export type Selection =
   /** Two or more clips and events. */
   | { kind: 'items'; items: readonly Item[] }
   | { kind: 'marker'; marker: string }
+  | { kind: 'camera'; camera: string }
+  | { kind: 'shot'; shot: string }
   | { kind: 'rule'; rule: string }
   | { kind: 'entry'; entry: string }
   /** The selection is in the wiring editor (EditorState). */
@@ -38,6 +40,8 @@ export interface ViewOptions {
   shapes: boolean;
   follow: boolean;
   assist: boolean;
+  /** The safe areas of the picture are drawn while the view is that of a camera of the document. */
+  safe: boolean;
 }
 
 export interface LoggedLine extends LogLine {
@@ -90,6 +94,8 @@ export interface StudioState {
   keymap: KeymapName;
   theme: 'dark' | 'light';
   toasts: Toast[];
+  /** The camera of the viewport: 'free' (moved by the user), 'shots' (the shot at the playhead), or the id of a camera of the document. */
+  through: string;
   dialog: 'none' | 'palette' | 'keys' | 'save_as' | 'open' | 'new';
 }
 
@@ -134,10 +140,11 @@ export const initial_state: StudioState = {
   library_revision: 0,
   mechanisms: {},
   selection: { kind: 'none' },
-  view: { perspective: true, ghosts: false, trail: false, contacts: false, closest: false, shapes: false, follow: false, assist: true },
+  view: { perspective: true, ghosts: false, trail: false, contacts: false, closest: false, shapes: false, follow: false, assist: true, safe: true },
   keymap: 'industry',
   theme: 'dark',
   toasts: [],
+  through: 'free',
   dialog: 'none',
 };
 
@@ -188,6 +195,10 @@ export function valid_selection(selection: Selection, document: ScenarioDocument
       return valid_items(selection, document);
     case 'rule':
       return document.rules?.some((r) => r.id === selection.rule) ? selection : none;
+    case 'camera':
+      return document.cameras?.some((c) => c.id === selection.camera) ? selection : none;
+    case 'shot':
+      return document.shots?.some((s) => s.id === selection.shot) ? selection : none;
     case 'marker':
       return document.markers?.some((m) => m.id === selection.marker) ? selection : none;
     default:

@@ -141,6 +141,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     if (!this.opened) return;
     this.opened.gestures.abandon();
     this.opened.engine.reset();
+    this.opened.view.directed = true;
     this.finished = false;
     this.backlog = 0;
     this.message('');
@@ -193,6 +194,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
   /** Follows a character with the camera. @param character id or index; null: the camera stays */
   follow(character: string | number | null): void {
     if (!this.opened) return;
+    this.opened.view.directed = false;
     this.opened.view.followed = character === null ? -1 : this.find(character, 0)[0];
     if (this.opened.view.followed < 0) this.opened.view.rig.follow(null);
     this.show_state();

@@ -1,9 +1,11 @@
 /** Interface of the engine of a player. The engine runs the content and returns its frames; it draws nothing. */
 import type { Frame } from '../core/frames';
+import type { FilmCamera, FilmShot } from '../core/film';
+import type { Look, Material } from '../core/look';
 import type { Devices, InputMessage } from '../core/play_controls';
 import type { MechanismData, Vec3 } from '../core/protocol';
 
-export interface SceneCharacter {
+export interface SceneCharacter extends Material {
   id: string;
   name: string;
   color: string;
@@ -25,7 +27,10 @@ export interface Scene {
   ground: { height: number };
   /** `follow`: id of the followed character, or empty. Distance in m, angles in rad. */
   camera: { follow: string; distance: number; azimuth: number; elevation: number };
-  look: { light: number; floor: string };
+  /** Absent: there are none. */
+  cameras?: FilmCamera[];
+  shots?: FilmShot[];
+  look: Look;
   characters: SceneCharacter[];
   mechanisms: MechanismData[];
 }

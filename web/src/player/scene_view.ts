@@ -1,5 +1,6 @@
 /** Draws the frames of an engine: characters, floor, root assist, contacts, and the user's pull or push. Contains no buttons. */
 import * as THREE from 'three';
+import { shot_at, view_of } from '../core/film';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, type Frame } from '../core/frames';
 import { CameraRig } from '../view/camera';
 import { hidden_layer } from '../view/body_view';
@@ -31,6 +32,8 @@ export class SceneView {
   assist = true;
   /** Index of the character that the camera follows; -1: none. */
   followed = -1;
+  /** True: the view is that of the shots; false after the user has moved it. */
+  directed = true;
   private readonly assist_arrows: Arrow[];
   private readonly contact_arrows: Arrow[] = [];
   private readonly discs = new ContactDiscs(max_contacts);
@@ -64,12 +67,14 @@ export class SceneView {
       this.stage.scene.add(arrow.group);
     }
     this.stage.scene.add(this.discs.mesh, this.spring.group, this.push_arrow.group);
+    this.rig.on_leave = () => (this.directed = false);
     this.set_theme(options.theme);
     this.followed = scene.characters.findIndex((c) => c.id === scene.camera.follow);
   }
 
   set_theme(theme: 'dark' | 'light'): void {
-    this.stage.set_look({ theme, floor: this.scene.look.floor, light: this.scene.look.light });
+    this.stage.set_look(this.scene.look, theme);
+    this.scene.characters.forEach((c, i) => this.characters[i]!.set_look(c.color || '#e6e6ea', c, c.metalness ? this.stage.environment : null));
   }
 
   /** @param width, height of the picture, px of the page */
@@ -93,7 +98,17 @@ export class SceneView {
       view.group.updateMatrixWorld(true);
     });
     this.place_overlays(frame);
-    this.follow(frame);
+    if (!this.film(frame)) this.follow(frame);
+  }
+
+  /** Looks through the camera of the shot at the frame's time. @return false: there is no shot, or the user has moved the view */
+  private film(frame: Frame): boolean {
+    const shot = this.directed && shot_at(this.scene.shots, frame.time);
+    const camera = shot && this.scene.cameras?.find((c) => c.id === shot.camera);
+    const followed = camera && frame.characters[this.scene.characters.findIndex((c) => c.id === camera.follow)];
+    const [x, y] = followed ? centre_of_mass(frame, followed) : [0, 0];
+    this.rig.look_through(camera ? view_of(camera, frame.time) : null, { x, y });
+    return Boolean(camera);
   }
 
   private follow(frame: Frame): void {
@@ -210,6 +225,8 @@ export class SceneView {
       this.rig.set({ distance: camera.distance }, false);
     }
     this.rig.set({}, true);
+    this.directed = true;
+    if (this.shown) this.film(this.shown);
   }
 
   frame_all(): void {

@@ -7,6 +7,7 @@ import { InspectorPanel } from './InspectorPanel';
 import { files_of } from './library/files';
 import { ImportDialog } from './library/ImportDialog';
 import { LibraryPanel } from './library/LibraryPanel';
+import { LookPanel } from './film/LookPanel';
 import { CircuitPanel } from './circuit/CircuitPanel';
 import { LogPanel } from './LogPanel';
 import { NaturalnessPanel } from './NaturalnessPanel';
@@ -27,6 +28,7 @@ const components: Record<string, FunctionComponent> = {
   viewport: ViewportPanel,
   library: LibraryPanel,
   inspector: InspectorPanel,
+  look: LookPanel,
   scenario: ScenarioPanel,
   naturalness: NaturalnessPanel,
   log: LogPanel,
@@ -87,6 +89,7 @@ function default_layout(api: DockviewApi): void {
   api.addPanel({ id: 'library', component: 'library', title: 'Library', initialWidth: Math.round((narrow ? 220 : 248) * unit), position: { referencePanel: 'viewport', direction: 'left' } });
   add_poses(api);
   api.addPanel({ id: 'inspector', component: 'inspector', title: 'Inspector', initialWidth: Math.round((narrow ? 256 : 284) * unit), position: { referencePanel: 'viewport', direction: 'right' } });
+  add_missing(api);
   scenario.group.api.setSize({ height });
   scenario.api.setActive();
 }
@@ -100,6 +103,7 @@ function add_missing(api: DockviewApi): void {
   add_poses(api);
   for (const [id, title, index] of [['curves', 'Curves', 1], ['circuit', 'Circuit', 2], ['rules', 'Rules', 3]] as const)
     if (!api.getPanel(id)) api.addPanel({ id, component: id, title, inactive: true, position: { referencePanel: 'scenario', direction: 'within', index } });
+  if (api.getPanel('inspector') && !api.getPanel('look')) api.addPanel({ id: 'look', component: 'look', title: 'Look', inactive: true, position: { referencePanel: 'inspector', direction: 'within' } });
 }
 
 const min_viewport_width = 320; // px; with a smaller viewport the panels shrink with the window

@@ -1,5 +1,6 @@
 import { useEffect, useRef, type ReactElement } from 'react';
 import { apply_command, find_character, find_clip, find_event, find_marker, type Character, type Clip, type Command, type Marker, type ScenarioDocument, type ScenarioEvent } from '../core/document';
+import { find_camera, find_shot } from '../core/film_edits';
 import { describe_items, items_span, move_items, type Item } from '../core/items';
 import { format_label } from '../core/format';
 import { link_position } from '../core/frames';
@@ -9,6 +10,9 @@ import { shown_document } from '../core/state';
 import { run } from './actions';
 import { session, usePoser, useStudio } from './app';
 import { CircuitSelection } from './circuit/LsiInspector';
+import { ColorField } from './ColorField';
+import { describe_camera } from './film/CameraTrack';
+import { CameraFields, ShotFields } from './film/fields';
 import { MotionOperations } from './motion/ClipMenu';
 import { JointFields } from './posing/JointFields';
 import { EntryDetails } from './library/EntryDetails';
@@ -40,6 +44,12 @@ export function InspectorPanel(): ReactElement {
     if (event) body = <EventFields key={event.id} event={event} doc={doc} />;
   } else if (selection.kind === 'items') {
     body = <ItemsFields doc={doc} items={selection.items} />;
+  } else if (selection.kind === 'camera') {
+    const camera = find_camera(doc, selection.camera);
+    if (camera) body = <CameraFields key={camera.id} camera={camera} doc={doc} />;
+  } else if (selection.kind === 'shot') {
+    const shot = find_shot(doc, selection.shot);
+    if (shot) body = <ShotFields key={shot.id} shot={shot} doc={doc} />;
   } else if (selection.kind === 'marker') {
     const marker = find_marker(doc, selection.marker);
     if (marker) body = <MarkerFields key={marker.id} marker={marker} />;
@@ -115,10 +125,7 @@ function CharacterFields({ character, link, doc, posing }: { character: Characte
       {posing && joint}
       <TextField label="Name" value={character.name} on_commit={(name) => send({ type: 'character.set', id: character.id, name })} />
       <TextField label="Group" value={character.group ?? ''} optional placeholder="none" title="Tracks of characters with the same group are shown together in the timeline and can be folded" on_commit={(group) => send({ type: 'character.set', id: character.id, group })} />
-      <div className="field">
-        <label htmlFor={`color-${character.id}`}>Colour</label>
-        <ColorInput id={`color-${character.id}`} value={character.color ?? '#e6e6ea'} on_commit={(color) => send({ type: 'character.set', id: character.id, color })} />
-      </div>
+      <ColorField label="Colour" value={character.color ?? '#e6e6ea'} on_commit={(color) => send({ type: 'character.set', id: character.id, color })} />
       <h4>Placement</h4>
       <NumberField label="X" unit="m" value={place.x} step={0.01} {...set_place('x')} />
       <NumberField label="Y" unit="m" value={place.y} step={0.01} {...set_place('y')} />
@@ -326,28 +333,16 @@ function ScenarioFields({ doc }: { doc: ScenarioDocument }): ReactElement {
       <NumberField label="Gravity" unit="m/s²" value={-doc.gravity[2]} step={0.01} title="Gravitational acceleration, downwards" on_commit={(g) => set({ gravity: [doc.gravity[0], doc.gravity[1], -g] })} />
       <NumberField label="Friction" value={doc.ground.friction} step={0.01} min={0} max={2} slider title="Coefficient of friction of the ground" on_commit={(friction) => set({ ground: { ...doc.ground, friction } })} />
       <NumberField label="Restitution" value={doc.ground.restitution} step={0.01} min={0} max={1} slider title="Coefficient of restitution of the ground: 0 does not bounce, 1 is elastic" on_commit={(restitution) => set({ ground: { ...doc.ground, restitution } })} />
-      <h4>Appearance</h4>
-      <NumberField label="Light" value={doc.look?.light ?? 0.9} step={0.01} min={0} max={2} slider title="Brightness of the light in the viewport" on_commit={(light) => set({ look: { ...doc.look, light } })} />
-      <div className="field">
-        <label htmlFor="floor-color">Floor</label>
-        <ColorInput id="floor-color" value={doc.look?.floor ?? '#2a2c31'} on_commit={(floor) => set({ look: { ...doc.look, floor } })} />
+      <h4>Cameras</h4>
+      {doc.cameras?.map((camera) => (
+        <button key={camera.id} type="button" className="camera-row" onClick={() => session.select({ kind: 'camera', camera: camera.id })}>
+          {camera.name} <span>{describe_camera(doc, camera)}</span>
+        </button>
+      ))}
+      <div className="actions">
+        <button type="button" title="Add a camera with the present view" onClick={() => run('camera.add')}>New camera from this view</button>
+        <button type="button" title="Light, sky, ground and materials" onClick={() => run('page.look')}>Look…</button>
       </div>
     </>
   );
-}
-
-/** A colour field; the colour is committed once, when the browser's colour picker closes. */
-function ColorInput({ id, value, on_commit }: { id: string; value: string; on_commit: (value: string) => void }): ReactElement {
-  const input = useRef<HTMLInputElement>(null);
-  useEffect(() => {
-    const element = input.current;
-    if (!element) return;
-    element.value = value;
-    const changed = (): void => {
-      if (element.value !== value) on_commit(element.value);
-    };
-    element.addEventListener('change', changed);
-    return () => element.removeEventListener('change', changed);
-  });
-  return <input ref={input} id={id} type="color" className="color" defaultValue={value} />;
 }

@@ -9,6 +9,7 @@ import { add_character, add_motion, run } from './actions';
 import { page, parts, plain_canvas, session, usePage, useStudio } from './app';
 import { Icon } from './icons';
 import { MarkerFlags, RangeBar } from './markers';
+import { CameraTrack } from './film/CameraTrack';
 import { drop_target, EventTrack, GroupRow, Track, type DropGhost } from './tracks';
 
 /** The scenario panel: ruler, tracks, events and contact bars. Clips and their drags are in tracks.tsx. */
@@ -237,6 +238,7 @@ export function ScenarioPanel(): ReactElement {
           </div>
         ))}
         <EventTrack doc={doc} view={view} on_guide={set_guide} />
+        <CameraTrack doc={doc} view={view} on_guide={set_guide} />
         {marquee && <div className="marquee" style={marquee} />}
         {doc.characters.length === 0 && <p className="hint lane-hint">To begin, drag a mechanism from the library here or onto the floor.</p>}
         {doc.characters.length > 0 && doc.characters.every((c) => c.track.length === 0) && <p className="hint lane-hint">Drag a motion from the library onto a track.</p>}

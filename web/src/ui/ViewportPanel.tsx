@@ -10,6 +10,7 @@ import { PoseView } from '../view/pose_view';
 import { Viewport } from '../view/viewport';
 import { add_character, append_motion, run, set_view } from './actions';
 import { page, parts, poser, registry, session, useControls, usePage, useStudio } from './app';
+import { FilmFrame, ThroughChoice } from './film/ThroughBar';
 import { PlayControlsBar } from './PlayControlsBar';
 import { PoseHandles, PoseLabels, PoseTools } from './posing/PoseOverlay';
 import { ViewCube } from './ViewCube';
@@ -103,6 +104,7 @@ export function ViewportPanel(): ReactElement {
           <span>Drag a mechanism from the library onto the floor, or import a motion file (BVH, ASF with AMC).</span>
         </div>
       )}
+      {viewport && <FilmFrame viewport={viewport} />}
       <ViewOptionsBar />
       {viewport && <ViewCube viewport={viewport} />}
       {viewport && <PoseHandles viewport={viewport} />}
@@ -120,13 +122,14 @@ export function ViewportPanel(): ReactElement {
 function ViewOptionsBar(): ReactElement {
   const view = useStudio((s) => s.view);
   const keymap = useStudio((s) => s.keymap);
+  const free = useStudio((s) => s.through === 'free'); // the cameras of the document have their own projection, and follow by themselves
   const options: [keyof typeof view, string, string][] = [
     ['shapes', 'Shapes', 'view.shapes'],
     ['ghosts', 'Ghosts', 'view.ghosts'],
     ['contacts', 'Contacts', 'view.contacts'],
     ['closest', 'Distances', 'view.closest'],
     ['trail', 'Centre of mass', 'view.trail'],
-    ['follow', 'Follow', 'view.follow'],
+    ...(free ? [['follow', 'Follow', 'view.follow'] as [keyof typeof view, string, string]] : []),
   ];
   const key = (id: string): string => {
     const command = registry.get(id);
@@ -135,9 +138,12 @@ function ViewOptionsBar(): ReactElement {
   };
   return (
     <div className="view-options" role="toolbar" aria-label="View">
-      <button type="button" title={`Switch between perspective and orthographic projection${key('view.perspective')}`} onClick={() => set_view({ perspective: !view.perspective })}>
-        {view.perspective ? 'Perspective' : 'Orthographic'}
-      </button>
+      <ThroughChoice />
+      {free && (
+        <button type="button" title={`Switch between perspective and orthographic projection${key('view.perspective')}`} onClick={() => set_view({ perspective: !view.perspective })}>
+          {view.perspective ? 'Perspective' : 'Orthographic'}
+        </button>
+      )}
       {options.map(([option, name, id]) => (
         <button key={option} type="button" aria-pressed={view[option]} title={`${registry.get(id)?.label ?? name}${key(id)}`} onClick={() => run(id)}>
           {name}

@@ -13,6 +13,7 @@ import { RequestError, type ServiceError } from '../core/protocol';
 import { lowest_point } from '../view/character_view';
 import { new_pose_name, store_pose } from '../core/posing/pose_library';
 import { end_tour } from './Tour';
+import { add_camera, cut_here, key_view, place_camera, toggle_through } from './film/actions';
 import { access, circuit, page, parts, poser, registry, session } from './app';
 
 const state = (): StudioState => session.state;
@@ -42,6 +43,8 @@ function remove_selection(): void {
     const command = remove_items(document, selection.items);
     if (command) void session.edit(command);
   } else if (selection.kind === 'marker') void session.edit({ type: 'marker.remove', id: selection.marker });
+  else if (selection.kind === 'camera') void session.edit({ type: 'camera.remove', id: selection.camera });
+  else if (selection.kind === 'shot') void session.edit({ type: 'shot.remove', id: selection.shot });
   else if (selection.kind === 'clip') void session.edit({ type: 'clip.remove', character: selection.character, id: selection.clip });
   else if (selection.kind === 'event') void session.edit({ type: 'event.remove', id: selection.event });
   else if (selection.kind === 'character') void session.edit({ type: 'character.remove', id: selection.character });
@@ -511,6 +514,12 @@ const commands: AppCommand[] = [
   { id: 'view.initial', label: 'View as stored in the project', group: 'View', keys: ['0'], run: initial_view },
   { id: 'view.top', label: 'View from above', group: 'View', keys: ['7'], run: look_from(-Math.PI / 2, 1.55) },
 
+  { id: 'camera.add', label: 'New camera from this view', group: 'Camera', enabled: has_document, run: () => void add_camera() },
+  { id: 'view.through', label: 'Look through the camera, or leave it', group: 'Camera', keys: ['Ctrl+0'], enabled: has_document, run: toggle_through },
+  { id: 'camera.place', label: 'Set the camera to the view', group: 'Camera', keys: ['Ctrl+Alt+0'], enabled: has_document, run: place_camera },
+  { id: 'camera.key', label: 'Key the view of the camera at the playhead', group: 'Camera', industry: ['K'], enabled: has_document, run: key_view },
+  { id: 'camera.cut', label: 'Cut to another camera at the playhead', group: 'Camera', industry: ['X'], enabled: has_document, run: cut_here },
+  { id: 'view.safe', label: 'Show or hide safe frames', group: 'Camera', run: toggle('safe') },
   { id: 'rule.add', label: 'Add a rule for the selected character', group: 'Rules', keys: ['R'], enabled: () => (state().document?.characters.length ?? 0) > 0, run: () => add_rule('pressed') },
   { id: 'circuit.add', label: 'Add an LSI…', group: 'Circuit', enabled: has_canvas, run: () => parts.circuit?.open_search() },
   { id: 'circuit.note', label: 'Add a note', group: 'Circuit', enabled: has_canvas, run: () => circuit.add_note(parts.circuit!.point()) },
@@ -534,7 +543,7 @@ const commands: AppCommand[] = [
   } },
   { id: 'page.large', label: 'Maximise or restore the panel', group: 'Page', keys: ['Ctrl+Space'], run: () => parts.toggle_maximized() },
   { id: 'page.layout', label: 'Reset the layout', group: 'Page', run: () => parts.reset_layout() },
-  ...(['library', 'poses', 'inspector', 'scenario', 'curves', 'rules', 'circuit', 'naturalness', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
+  ...(['library', 'poses', 'inspector', 'look', 'scenario', 'curves', 'rules', 'circuit', 'naturalness', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
   {
     id: 'page.escape', label: 'Close, release or deselect', group: 'Page', keys: ['Escape'],
     run: () => {

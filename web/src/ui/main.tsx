@@ -2,6 +2,7 @@ import { createRoot } from 'react-dom/client';
 import 'dockview/dist/styles/dockview.css';
 import './styles.css';
 import './panels.css';
+import './film/film.css';
 import './library/library.css';
 import './motion/motion.css';
 import './posing/posing.css';

@@ -59,10 +59,10 @@ function each_box(object: THREE.Object3D, take: (box: THREE.Box3, to_world: THRE
 
 /**
  * Areas that contain every visible mesh, line and point of a scene. World matrices must be up to date.
- * @param without an object that is left out, with everything in it  @param width, height size of the picture, px
+ * @param without objects that are left out, with everything in them  @param width, height size of the picture, px
  * @return areas within the picture; close areas are joined; null if the bounds of an object are not known
  */
-export function drawn_areas(scene: THREE.Object3D, without: THREE.Object3D, camera: THREE.Camera, width: number, height: number): Area[] | null {
+export function drawn_areas(scene: THREE.Object3D, without: readonly THREE.Object3D[], camera: THREE.Camera, width: number, height: number): Area[] | null {
   const areas: Area[] = [];
   const to_clip = new THREE.Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
   const matrix = new THREE.Matrix4();
@@ -93,7 +93,7 @@ export function drawn_areas(scene: THREE.Object3D, without: THREE.Object3D, came
   };
   let known = true;
   const visit = (object: THREE.Object3D): void => {
-    if (!object.visible || object === without) return;
+    if (!object.visible || without.includes(object)) return;
     const drawable = object instanceof THREE.Mesh || object instanceof THREE.Line || object instanceof THREE.Points;
     if (drawable && object.layers.test(camera.layers) && !each_box(object, take)) known = false;
     for (const child of object.children) visit(child);

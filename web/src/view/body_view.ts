@@ -54,22 +54,36 @@ export class BodySkin {
   readonly mesh: THREE.SkinnedMesh;
   readonly bones: LinkBones;
   readonly material: THREE.MeshStandardMaterial;
+  private readonly tints = { value: Array.from({ length: max_links }, () => new THREE.Color()) };
   private readonly glow = { value: Array.from({ length: max_links }, () => new THREE.Vector2()) };
 
   constructor(surface: BodySurface, color: THREE.ColorRepresentation) {
-    this.material = new THREE.MeshStandardMaterial({ color, roughness: 0.62, metalness: 0 });
+    this.material = new THREE.MeshStandardMaterial({ color, roughness: 0.6, metalness: 0 });
     this.material.onBeforeCompile = (shader) => {
       shader.uniforms.u_glow = this.glow;
+      shader.uniforms.u_tints = this.tints;
       shader.vertexShader = shader.vertexShader
-        .replace('#include <skinning_pars_vertex>', `#include <skinning_pars_vertex>\nuniform vec2 u_glow[${max_links}];\nvarying vec2 v_glow;`)
-        .replace('#include <skinning_vertex>', '#include <skinning_vertex>\nv_glow = skinWeight.x * u_glow[int(skinIndex.x)] + skinWeight.y * u_glow[int(skinIndex.y)] + skinWeight.z * u_glow[int(skinIndex.z)] + skinWeight.w * u_glow[int(skinIndex.w)];');
+        .replace('#include <skinning_pars_vertex>', `#include <skinning_pars_vertex>\nuniform vec2 u_glow[${max_links}];\nvarying vec2 v_glow;\n#ifdef TINTS\nuniform vec3 u_tints[${max_links}];\nvarying vec3 v_tint;\n#endif`)
+        .replace('#include <skinning_vertex>', '#include <skinning_vertex>\nv_glow = skinWeight.x * u_glow[int(skinIndex.x)] + skinWeight.y * u_glow[int(skinIndex.y)] + skinWeight.z * u_glow[int(skinIndex.z)] + skinWeight.w * u_glow[int(skinIndex.w)];\n#ifdef TINTS\n{ vec4 w = pow(skinWeight, vec4(6.0)); v_tint = (w.x * u_tints[int(skinIndex.x)] + w.y * u_tints[int(skinIndex.y)] + w.z * u_tints[int(skinIndex.z)] + w.w * u_tints[int(skinIndex.w)]) / (w.x + w.y + w.z + w.w); }\n#endif');
       shader.fragmentShader = shader.fragmentShader
-        .replace('#include <common>', '#include <common>\nvarying vec2 v_glow;')
+        .replace('#include <common>', '#include <common>\nvarying vec2 v_glow;\n#ifdef TINTS\nvarying vec3 v_tint;\n#endif')
+        .replace('#include <color_fragment>', '#include <color_fragment>\n#ifdef TINTS\ndiffuseColor.rgb = v_tint;\n#endif')
         .replace('#include <emissivemap_fragment>', '#include <emissivemap_fragment>\ntotalEmissiveRadiance += v_glow.x * vec3(1.0) + v_glow.y * vec3(1.0, 0.254, 0.047);');
     };
     this.bones = new LinkBones(surface);
     this.mesh = this.bones.mesh(surface, this.material);
     this.mesh.castShadow = this.mesh.receiveShadow = true;
+  }
+
+  /** Colours of all links; null: all have the colour of the material. Colours change over a short distance around a joint. */
+  set_tints(colors: readonly THREE.ColorRepresentation[] | null): void {
+    colors?.forEach((color, link) => this.tints.value[link]?.set(color));
+    const { material } = this;
+    if (Boolean(material.defines?.TINTS) === Boolean(colors)) return;
+    material.defines = { ...material.defines };
+    if (colors) material.defines.TINTS = '1';
+    else delete material.defines.TINTS;
+    material.needsUpdate = true;
   }
 
   set_glow(link: number, [white, accent]: Glow): void {

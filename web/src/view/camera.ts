@@ -1,7 +1,8 @@
 /** The camera rig: smoothed orbit, pan, zoom and follow around a target; perspective or orthographic. Z is up. */
 import * as THREE from 'three';
+import { film_aspect, type FilmView } from '../core/film';
 
-const field_of_view = 36; // vertical angle of view, degrees
+const free_field = (36 * Math.PI) / 180; // vertical angle of view without a camera of the document, rad
 const smooth_time = 0.09; // time constant of the camera's motion, s
 const border = 0.09; // margin on each side of framed objects, as a fraction of the view's width and height
 const min_height = 0.05; // minimum height of the camera above the floor while the view is turned, m
@@ -22,12 +23,22 @@ export interface Eye {
 const copy_eye = (eye: Eye): Eye => ({ ...eye, target: eye.target.clone() });
 
 export class CameraRig {
-  readonly perspective = new THREE.PerspectiveCamera(field_of_view, 1, 0.02, 600);
+  readonly perspective = new THREE.PerspectiveCamera(36, 1, 0.02, 600);
   readonly orthographic = new THREE.OrthographicCamera(-1, 1, 1, -1, -200, 600);
   use_perspective = true;
+  /** Height of the view divided by the height of the camera's picture, at least; above 1, a border around the picture is visible. */
+  film_border = 1;
+  /** Called when the user moves the view away from the camera of the document through which it looks. */
+  on_leave: () => void = () => undefined;
   private eye: Eye = { target: new THREE.Vector3(0, 0, 0.9), azimuth: 0.7, elevation: 0.22, distance: 5 };
   private goal: Eye = copy_eye(this.eye);
   private aspect = 1;
+  /** Vertical angle of view in a picture of 16:9, rad. */
+  private field = free_field;
+  /** True: the view is that of a camera of the document. */
+  private filmed = false;
+  /** The view to which the user returns from the camera of the document. */
+  private before_film: Eye | null = null;
   /** Smoothed position of the followed point; null: no point is followed. */
   private followed: THREE.Vector3 | null = null;
   /** Id of the object to which the followed point belongs; null: none. */
@@ -41,11 +52,61 @@ export class CameraRig {
   }
 
   get camera(): THREE.PerspectiveCamera | THREE.OrthographicCamera {
-    return this.use_perspective ? this.perspective : this.orthographic;
+    return this.use_perspective || this.filmed ? this.perspective : this.orthographic;
   }
 
   get current(): Readonly<Eye> {
     return this.eye;
+  }
+
+  /** Vertical angle of view in a picture of 16:9, rad. */
+  get field_of_view(): number {
+    return this.field;
+  }
+
+  /** Half of the vertical angle of view as drawn, as a tangent. A view through a camera shows at least the camera's whole picture. */
+  private get half_height(): number {
+    const half = Math.tan(this.field / 2);
+    return this.filmed ? half * Math.max(1, film_aspect / this.aspect) * this.film_border : half;
+  }
+
+  /** Size of the camera's picture within the view, as fractions of the view's width and height; null: no camera of the document. */
+  get film_frame(): { width: number; height: number } | null {
+    if (!this.filmed) return null;
+    const height = Math.tan(this.field / 2) / this.half_height;
+    return { width: (height * film_aspect) / this.aspect, height };
+  }
+
+  /**
+   * Looks through a camera of the document, without smoothing; null: back to the view of the user.
+   * @param offset centre of mass of the followed character, m; only x and y are used
+   */
+  look_through(view: FilmView | null, offset: { x: number; y: number } | null = null): void {
+    if (!view) {
+      if (!this.filmed) return;
+      this.filmed = false;
+      this.field = free_field;
+      if (this.before_film) this.eye = copy_eye((this.goal = this.before_film));
+      this.before_film = null;
+      return this.apply();
+    }
+    if (!this.filmed) this.before_film = copy_eye(this.goal);
+    this.filmed = true;
+    this.followed = null;
+    this.field = view.field_of_view;
+    const [x, y, z] = view.target;
+    this.goal = { target: new THREE.Vector3(x + (offset?.x ?? 0), y + (offset?.y ?? 0), z), azimuth: view.azimuth, elevation: view.elevation, distance: view.distance };
+    this.eye = copy_eye(this.goal);
+    this.apply();
+  }
+
+  /** The user moves the view: it leaves the camera of the document, and continues from there with the camera's angle of view. */
+  private leave_film(): void {
+    if (!this.filmed) return;
+    this.filmed = false;
+    this.before_film = null;
+    this.apply();
+    this.on_leave();
   }
 
   resize(aspect: number): void {
@@ -60,6 +121,7 @@ export class CameraRig {
 
   /** Turns the view. The camera stays above the floor, unless it is already below the floor. @param azimuth, elevation change, rad */
   turn(azimuth: number, elevation: number): void {
+    this.leave_film();
     const { goal } = this;
     goal.azimuth += azimuth;
     const lowest = Math.asin(clamp((min_height - goal.target.z) / goal.distance, -0.99, 0.99));
@@ -72,7 +134,8 @@ export class CameraRig {
    * @param height height of the view, px
    */
   pan(dx: number, dy: number, height: number): void {
-    const per_px = (2 * this.goal.distance * Math.tan((field_of_view * Math.PI) / 360)) / Math.max(height, 1);
+    this.leave_film();
+    const per_px = (2 * this.goal.distance * this.half_height) / Math.max(height, 1);
     const m = this.camera.matrixWorld.elements;
     const right = new THREE.Vector3(m[0], m[1], m[2]);
     const up = new THREE.Vector3(m[4], m[5], m[6]);
@@ -81,11 +144,13 @@ export class CameraRig {
   }
 
   zoom(factor: number): void {
+    this.leave_film();
     this.goal.distance = clamp(this.goal.distance * factor, 0.02, 2000);
   }
 
   /** Turns the camera to a direction by the smaller of the two possible angles. @param azimuth, elevation rad */
   look_from(azimuth: number, elevation: number): void {
+    this.leave_film();
     const turn = Math.round((this.goal.azimuth - azimuth) / (2 * Math.PI)) * 2 * Math.PI;
     this.goal.azimuth = azimuth + turn;
     this.goal.elevation = elevation;
@@ -94,11 +159,12 @@ export class CameraRig {
   /** Keeps the viewing direction and moves as close as possible so that all spheres are in the view with a border. */
   frame(spheres: readonly THREE.Sphere[]): void {
     if (spheres.length === 0) return;
+    this.leave_film();
     const { azimuth, elevation } = this.goal;
     const [ca, sa, ce, se] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(elevation), Math.sin(elevation)];
     const towards = new THREE.Vector3(ce * ca, ce * sa, se);
     const sideways = [new THREE.Vector3(-sa, ca, 0), new THREE.Vector3(-se * ca, -se * sa, ce)];
-    const upright = Math.tan((field_of_view * Math.PI) / 360);
+    const upright = this.half_height;
     const tangents = [upright * this.aspect, upright]; // tangents of half the horizontal and half the vertical angle of view
     const target = new THREE.Vector3();
     let distance = 0;
@@ -125,6 +191,7 @@ export class CameraRig {
 
   /** Sets some values of the camera's goal position. @param at_once true: jump there without smoothing */
   set(eye: Partial<Eye>, at_once: boolean): void {
+    this.leave_film();
     Object.assign(this.goal, eye);
     this.goal.target = this.goal.target.clone();
     if (at_once) {
@@ -138,7 +205,7 @@ export class CameraRig {
    * @param object id of the object to which the point belongs; if it changes, the view does not jump to the new point, but follows it from then on
    */
   follow(point: THREE.Vector3 | null, object: unknown = null): void {
-    if (!point) {
+    if (!point || this.filmed) {
       this.followed = null;
       return;
     }
@@ -200,10 +267,11 @@ export class CameraRig {
       camera.lookAt(target);
     }
     this.perspective.aspect = this.aspect;
+    this.perspective.fov = (360 / Math.PI) * Math.atan(this.half_height);
     this.perspective.near = Math.max(0.002, distance * 0.01);
     this.perspective.far = Math.max(600, distance * 6);
     this.perspective.updateProjectionMatrix();
-    const half = distance * Math.tan((field_of_view * Math.PI) / 360);
+    const half = distance * this.half_height;
     Object.assign(this.orthographic, { left: -half * this.aspect, right: half * this.aspect, top: half, bottom: -half });
     this.orthographic.updateProjectionMatrix();
     this.perspective.updateMatrixWorld();

@@ -3,6 +3,7 @@ import * as THREE from 'three';
 import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeometry.js';
 import { mergeGeometries, mergeVertices } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { Frame, CharacterFrame } from '../core/frames';
+import type { Material } from '../core/look';
 import type { LinkData, MechanismData, ShapeData } from '../core/protocol';
 import { BodySkin, body_surface, hidden_layer, LinkBones, type Glow } from './body_view';
 import type { BodySurface } from './body_surface';
@@ -77,6 +78,10 @@ export class CharacterView {
   private readonly shown: Emphasis[];
   /** The smooth surface; null if the mechanism is no body, or the surface is not wanted. */
   private readonly skin: BodySkin | null;
+  /** Colour and surface as last set, as JSON. */
+  private shown_look = '';
+  /** Material of each link without emphasis; `plain` where absent. */
+  private readonly base: THREE.MeshStandardMaterial[] = [];
   /** Materials of single links (color_links). */
   private readonly own: THREE.MeshStandardMaterial[] = [];
 
@@ -90,9 +95,9 @@ export class CharacterView {
   ) {
     const surface = smooth ? body_surface(mechanism) : null;
     this.skin = surface && new BodySkin(surface, color);
-    this.plain = new THREE.MeshStandardMaterial({ color, roughness: 0.58, metalness: 0 });
+    this.plain = new THREE.MeshStandardMaterial({ color, roughness: 0.6, metalness: 0 });
     const tinted = (emissive: number, intensity: number): THREE.MeshStandardMaterial =>
-      new THREE.MeshStandardMaterial({ color, roughness: 0.58, emissive, emissiveIntensity: intensity });
+      new THREE.MeshStandardMaterial({ color, roughness: 0.6, emissive, emissiveIntensity: intensity });
     this.emphasised = { hover: tinted(0xffffff, 0.09), selected: tinted(0xff8a3d, 0.34), pulled: tinted(0xff8a3d, 0.5) };
     this.shown = mechanism.links.map(() => 'none');
     this.links = mechanism.links.map((link, index) => {
@@ -121,10 +126,27 @@ export class CharacterView {
     for (const mesh of this.links) mesh?.layers.set(on ? 0 : hidden_layer);
   }
 
-  set_color(color: string): void {
-    this.skin?.material.color.set(color);
-    this.plain.color.set(color);
-    for (const material of Object.values(this.emphasised)) material.color.set(color);
+  /** Colour and surface of the character. @param environment what metal reflects; null: nothing */
+  set_look(color: string, { roughness = 0.6, metalness = 0, link_colors }: Material, environment: THREE.Texture | null = null): void {
+    const text = JSON.stringify([color, roughness, metalness, link_colors, environment?.uuid]);
+    if (text === this.shown_look) return;
+    this.shown_look = text;
+    const names = Object.keys(link_colors ?? {});
+    const colors = names.length > 0 ? this.mechanism.links.map((link) => link_colors![link.name] ?? null) : null;
+    this.color_links(colors ?? []);
+    this.skin?.set_tints(colors && colors.map((c) => c ?? color));
+    const { plain, own, emphasised, skin } = this;
+    for (const material of [plain, ...Object.values(emphasised), ...(skin ? [skin.material] : [])]) material.color.set(color);
+    for (const material of [plain, ...Object.values(emphasised), ...own, ...(skin ? [skin.material] : [])]) {
+      material.roughness = roughness;
+      material.metalness = metalness;
+      const map = metalness > 0 ? environment : null;
+      if (material.envMap !== map) {
+        material.envMap = map;
+        material.envMapRotation.set(Math.PI / 2, 0, 0); // up is y in the map, and z here
+        material.needsUpdate = true;
+      }
+    }
   }
 
   /** Colours links one by one. @param colors [links] colour; null: the character's own. Materials are owned by this view. */
@@ -135,17 +157,14 @@ export class CharacterView {
     this.links.forEach((mesh, index) => {
       if (!mesh) return;
       const color = colors[index];
-      if (!color) {
-        mesh.material = this.plain;
-        return;
-      }
-      let material = by_color.get(color);
+      let material = color ? by_color.get(color) : this.plain;
       if (!material) {
-        material = new THREE.MeshStandardMaterial({ color, roughness: 0.58, metalness: 0 });
-        by_color.set(color, material);
+        material = new THREE.MeshStandardMaterial({ color: color!, roughness: 0.6, metalness: 0 });
+        by_color.set(color!, material);
         this.own.push(material);
       }
-      mesh.material = material;
+      this.base[index] = material;
+      if (this.shown[index] === 'none') mesh.material = material;
     });
   }
 
@@ -154,7 +173,7 @@ export class CharacterView {
     const mesh = this.links[link];
     if (!mesh || this.shown[link] === emphasis) return;
     this.shown[link] = emphasis;
-    mesh.material = emphasis === 'none' ? this.plain : this.emphasised[emphasis];
+    mesh.material = emphasis === 'none' ? (this.base[link] ?? this.plain) : this.emphasised[emphasis];
     this.skin?.set_glow(link, glows[emphasis]);
   }
 

@@ -38,6 +38,29 @@ flat varying vec3 v_lit, v_shaded;
 uniform vec3 u_background, u_line;
 uniform vec2 u_focus;
 uniform float u_reach, u_strength;
+uniform int u_pattern; // index into ground_patterns
+
+// Random number of a cell, 0 ... 1.
+float random_of(vec2 cell) { return fract(sin(dot(cell, vec2(12.9898, 78.233))) * 43758.5453); }
+
+// Factor on the colour of a floor of boards, 0.16 m wide and 2.4 m long, at p (m). w is the width of a pixel, m.
+float boards(vec2 p, vec2 w) {
+  float row = floor(p.y / 0.16);
+  vec2 at = vec2(p.x + 2.4 * random_of(vec2(row, 7.0)), p.y);
+  vec2 cell = vec2(floor(at.x / 2.4), row);
+  vec2 to_edge = min(fract(at / vec2(2.4, 0.16)), 1.0 - fract(at / vec2(2.4, 0.16))) * vec2(2.4, 0.16);
+  vec2 seam = 1.0 - smoothstep(vec2(0.0015), vec2(0.0015) + 1.5 * w, to_edge);
+  seam *= 1.0 - smoothstep(vec2(0.5, 0.04), vec2(2.0, 0.16), w); // seams nearer than a few pixels flicker
+  float grain = sin(at.y * 260.0 + 3.0 * sin(at.x * 3.0 + 40.0 * random_of(cell)) + 30.0 * random_of(cell.yx));
+  float fine = 1.0 - smoothstep(0.002, 0.01, max(w.x, w.y));
+  return (0.86 + 0.28 * random_of(cell) * (1.0 - smoothstep(0.05, 0.3, w.y)) + 0.05 * grain * fine) * (1.0 - 0.55 * max(seam.x, seam.y));
+}
+
+// Share of the dark squares of 1 m of a checkered floor in a pixel.
+float checker(vec2 p, vec2 w) {
+  vec2 sum = 2.0 * (abs(fract((p - 0.5 * w) * 0.5) - 0.5) - abs(fract((p + 0.5 * w) * 0.5) - 0.5)) / max(w, vec2(1e-6));
+  return 0.5 - 0.5 * sum.x * sum.y;
+}
 
 // Part of a pixel that lines with a distance of 1 / 'per_m' cover.
 float grid_line(vec2 p, vec2 p_width, float per_m, float pixels) {
@@ -72,15 +95,22 @@ void main() {
     if (all(greaterThanEqual(s.xy, vec2(0.0))) && all(lessThanEqual(s, vec3(1.0)))) shadow = soft_shadow(s);
   #endif
   vec3 color = mix(v_shaded, v_lit, shadow);
-  float near_fade = 1.0 - smoothstep(0.15 * u_reach, 0.6 * u_reach, away);
-  float lines = 0.6 * grid_line(p, w, 1.0, 0.55) + 0.4 * grid_line(p, w, 0.2, 0.75);
-  color = mix(color, u_line, clamp(lines, 0.0, 1.0) * u_strength * near_fade);
-  vec2 axes = 1.0 - smoothstep(0.4, 1.4, abs(p) / max(w, vec2(1e-6)));
-  color = mix(color, vec3(0.75, 0.4, 0.4), axes.y * 2.0 * u_strength * near_fade);
-  color = mix(color, vec3(0.4, 0.62, 0.42), axes.x * 2.0 * u_strength * near_fade);
+  if (u_pattern == 0) {
+    float near_fade = 1.0 - smoothstep(0.15 * u_reach, 0.6 * u_reach, away);
+    float lines = 0.6 * grid_line(p, w, 1.0, 0.55) + 0.4 * grid_line(p, w, 0.2, 0.75);
+    color = mix(color, u_line, clamp(lines, 0.0, 1.0) * u_strength * near_fade);
+    vec2 axes = 1.0 - smoothstep(0.4, 1.4, abs(p) / max(w, vec2(1e-6)));
+    color = mix(color, vec3(0.75, 0.4, 0.4), axes.y * 2.0 * u_strength * near_fade);
+    color = mix(color, vec3(0.4, 0.62, 0.42), axes.x * 2.0 * u_strength * near_fade);
+  } else if (u_pattern == 2) {
+    color *= 1.0 - 0.14 * checker(p, w);
+  } else if (u_pattern == 3) {
+    color *= pow(boards(p, w), 0.42); // a factor on light as a factor on displayed colours
+  }
   gl_FragColor = vec4(mix(color, u_background, smoothstep(0.12 * u_reach, u_reach, away)), 1.0);
 }`;
 
+const ground_patterns = ['grid', 'plain', 'checker', 'boards'];
 const max_patches = 256; // if more bodies cast shadows, one patch covers all of them
 
 /** A rectangle of the floor, m. */
@@ -130,6 +160,7 @@ export class Floor {
     u_focus: { value: new THREE.Vector2() },
     u_reach: { value: 20 },
     u_strength: { value: 0.5 },
+    u_pattern: { value: 0 },
   };
   private readonly disc: THREE.Mesh;
   private readonly patches: THREE.Mesh;
@@ -174,7 +205,8 @@ export class Floor {
   }
 
   /** @param strength opacity of the grid lines, 0 ... 1 */
-  set_colors(floor: THREE.Color, line: THREE.Color, background: THREE.Color, strength: number): void {
+  set_colors(floor: THREE.Color, line: THREE.Color, background: THREE.Color, strength: number, pattern: string): void {
+    this.uniforms.u_pattern.value = Math.max(0, ground_patterns.indexOf(pattern));
     this.uniforms.u_floor.value.copy(floor);
     this.uniforms.u_line.value.copyLinearToSRGB(line);
     this.uniforms.u_background.value.copyLinearToSRGB(background);

@@ -51,7 +51,7 @@ export class ImportView {
     theme: 'dark' | 'light',
   ) {
     this.stage = new Stage(canvas);
-    this.stage.set_look({ theme, floor: '#2a2c31', light: 0.9 });
+    this.stage.set_look({}, theme);
     this.reference = new CharacterView('', reference, mechanism_geometries(reference), '#7f8894');
     this.stage.scene.add(this.reference.group);
     const spot = new THREE.MeshBasicMaterial({ color: 0x7dd3fc });

@@ -1,8 +1,8 @@
-/** Draws pictures with smooth edges in less time: four samples a pixel only in the areas in which objects other than the floor are drawn. */
+/** Draws pictures with smooth edges in less time: four samples a pixel only in the areas in which objects other than floor and sky are drawn. */
 import * as THREE from 'three';
 import { areas_outside, drawn_areas, type Area } from './areas';
 
-/** Layer of the floor and the lights. Objects on it are drawn outside the areas too. */
+/** Layer of the floor, the sky and the lights. Objects on it are drawn outside the areas too. */
 export const floor_layer = 3;
 
 const samples = 4;
@@ -13,12 +13,12 @@ export class SmoothAreas {
 
   constructor(private readonly renderer: THREE.WebGLRenderer) {}
 
-  /** Draws the scene into the canvas. World matrices must be up to date. @param floor the only object outside the areas */
-  render(scene: THREE.Scene, camera: THREE.Camera, floor: THREE.Object3D): void {
+  /** Draws the scene into the canvas. World matrices must be up to date. @param backdrop the objects outside the areas, on floor_layer */
+  render(scene: THREE.Scene, camera: THREE.Camera, backdrop: readonly THREE.Object3D[]): void {
     const { renderer } = this;
     const { x: width, y: height } = renderer.getDrawingBufferSize(new THREE.Vector2());
     const whole: Area = { left: 0, bottom: 0, right: width, top: height };
-    let areas = drawn_areas(scene, floor, camera, width, height) ?? [whole];
+    let areas = drawn_areas(scene, backdrop, camera, width, height) ?? [whole];
     if (areas.reduce((sum, a) => sum + (a.right - a.left) * (a.top - a.bottom), 0) > max_part * width * height) areas = [whole];
     const target = this.sized(width, height);
     target.scissorTest = true;

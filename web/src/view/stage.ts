@@ -1,15 +1,9 @@
 /** The stage: renderer, lights, floor and background. Adapts the resolution to the machine and draws at full resolution while nothing moves. */
 import * as THREE from 'three';
+import { plain_look, type Look } from '../core/look';
 import { Floor } from './floor';
 import { floor_layer, SmoothAreas } from './smooth_areas';
-
-export interface StageLook {
-  theme: 'dark' | 'light';
-  /** Floor colour that the document specifies, as a CSS colour. */
-  floor: string;
-  /** Brightness that the document specifies, 0 ... 2. */
-  light: number;
-}
+import { Sky } from './sky';
 
 /** How pictures are drawn. The default is for a page that a user looks at. */
 export interface StageOptions {
@@ -19,16 +13,22 @@ export interface StageOptions {
   transparent?: boolean;
 }
 
-const default_floor = '#2a2c31';
+const light_distance = 8; // m, of the light that casts shadows from its target
+const deepest = 12.5; // m: the shadow map reaches from the light to this depth, and further if the light is low
+const shadow_bias = 0.013; // m: a surface casts no shadow on what is nearer than this behind it
 
 export class Stage {
   readonly renderer: THREE.WebGLRenderer;
   readonly scene = new THREE.Scene();
   readonly floor = new Floor();
+  private readonly dome = new Sky();
   private readonly key = new THREE.DirectionalLight(0xfff3e4, 2.5);
   private readonly fill = new THREE.DirectionalLight(0xa9c4ff, 0.55);
   private readonly sky = new THREE.HemisphereLight(0xdfe8f7, 0x2d2b2a, 1.15);
   private readonly background = new THREE.Color();
+  private shown_look: { sky: { zenith: string; horizon: string } | null; floor: THREE.Color } = { sky: null, floor: new THREE.Color() };
+  private reflected: THREE.Texture | null = null;
+  private readonly to_key = new THREE.Vector3(0, 0, 1);
   private readonly software: boolean;
   /** Draws pictures; null for a live view. */
   private readonly smooth: SmoothAreas | null;
@@ -52,25 +52,45 @@ export class Stage {
     this.floor.object.visible = !options.transparent;
     this.key.castShadow = true;
     this.key.shadow.mapSize.setScalar(this.software ? 1024 : 2048);
-    this.key.shadow.bias = -0.0006;
     this.key.shadow.normalBias = 0.012;
     this.key.shadow.radius = 5;
-    this.scene.add(this.floor.object, this.key, this.key.target, this.fill, this.fill.target, this.sky);
-    this.floor.object.traverse((o) => o.layers.enable(floor_layer));
-    for (const light of [this.key, this.fill, this.sky]) light.layers.enable(floor_layer);
+    this.scene.add(this.dome.mesh, this.floor.object, this.key, this.key.target, this.fill, this.fill.target, this.sky);
+    for (const object of [this.dome.mesh, ...this.floor.object.children, this.key, this.fill, this.sky]) object.layers.enable(floor_layer);
     this.quality = this.software ? 0.5 : 1;
   }
 
-  set_look(look: StageLook): void {
-    const dark = look.theme === 'dark';
-    const own = look.floor.toLowerCase() !== default_floor;
-    this.background.set(dark ? 0x101318 : 0xe3e6ea);
+  /** Sets light, sky and ground as the document specifies. The theme selects the colours that the document does not specify. */
+  set_look(wanted: Look, theme: 'dark' | 'light'): void {
+    const look = { ...plain_look, ...wanted };
+    const dark = theme === 'dark';
+    const { sun, sky } = look;
+    const own = look.floor.toLowerCase() !== plain_look.floor || sky;
+    this.background.set(sky ? sky.horizon : dark ? 0x101318 : 0xe3e6ea);
     const floor = new THREE.Color(dark || own ? look.floor : '#c3c7cd');
-    this.floor.set_colors(floor, new THREE.Color(dark ? 0x8b93a1 : 0x6b7280), this.background, dark ? 0.31 : 0.23);
+    const bright = sky ? floor.getHSL({ h: 0, s: 0, l: 0 }).l > 0.35 : !dark;
+    this.floor.set_colors(floor, new THREE.Color(bright ? 0x6b7280 : 0x8b93a1), this.background, bright ? 0.23 : 0.31, look.pattern);
     const light = Math.max(0.05, look.light / 0.9);
-    this.key.intensity = 2.5 * light;
-    this.fill.intensity = 0.55 * light;
-    this.sky.intensity = (dark ? 1.15 : 1.5) * light;
+    this.key.color.set(sun.color);
+    this.key.intensity = 2.5 * light * sun.intensity;
+    this.fill.intensity = 0.55 * light * look.ambient;
+    this.sky.intensity = (dark || sky ? 1.15 : 1.5) * light * look.ambient;
+    this.sky.color.set(0xdfe8f7);
+    if (sky) this.sky.color.lerp(new THREE.Color(sky.zenith), 0.6);
+    this.to_key.set(Math.cos(sun.azimuth) * Math.cos(sun.elevation), Math.sin(sun.azimuth) * Math.cos(sun.elevation), Math.sin(sun.elevation));
+    this.dome.mesh.visible = Boolean(sky) && !this.options.transparent;
+    if (sky) this.dome.set_colors(sky, this.key, this.to_key);
+    this.shown_look = { sky, floor };
+    this.reflected?.dispose();
+    this.reflected = null;
+    const { shadow } = this.key;
+    shadow.camera.far = Math.min(60, deepest + light_distance / this.to_key.z);
+    shadow.bias = -shadow_bias / shadow.camera.far;
+    shadow.camera.right = 0; // focus() updates the projection
+  }
+
+  /** What metal reflects under the present look. A change of the look makes a new one. */
+  get environment(): THREE.Texture {
+    return (this.reflected ??= make_environment(this.shown_look.sky, this.shown_look.floor));
   }
 
   resize(width: number, height: number): void {
@@ -87,12 +107,12 @@ export class Stage {
     const x = Math.round(centre.x / texel) * texel;
     const y = Math.round(centre.y / texel) * texel;
     this.key.target.position.set(x, y, 0.6);
-    this.key.position.set(x + 2.6, y + 3.4, 7.4);
+    this.key.position.copy(this.to_key).multiplyScalar(light_distance).add(this.key.target.position);
     this.fill.target.position.set(x, y, 0.8);
     this.fill.position.set(x - 5, y - 4, 3);
     const camera = this.key.shadow.camera;
     if (camera.right !== half) {
-      Object.assign(camera, { left: -half, right: half, top: half, bottom: -half, near: 0.5, far: 22 });
+      Object.assign(camera, { left: -half, right: half, top: half, bottom: -half, near: 0.5 });
       camera.updateProjectionMatrix();
     }
     this.key.shadow.normalBias = Math.max(0.01, 1.6 * texel);
@@ -115,7 +135,7 @@ export class Stage {
     this.set_ratio(still);
     this.scene.updateMatrixWorld();
     if (this.floor.object.visible) this.floor.place_patches(this.scene, this.key);
-    if (this.smooth) this.smooth.render(this.scene, camera, this.floor.object);
+    if (this.smooth) this.smooth.render(this.scene, camera, [this.floor.object, this.dome.mesh]);
     else this.renderer.render(this.scene, camera);
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -151,6 +171,26 @@ export class Stage {
     this.smooth?.dispose();
     this.renderer.dispose();
   }
+}
+
+/** A panorama with y up: floor, sky, and two bright panels that give metal its highlights. */
+function make_environment(sky: { zenith: string; horizon: string } | null, floor: THREE.Color): THREE.Texture {
+  const [width, height] = [64, 32];
+  const data = new Uint8Array(4 * width * height);
+  const [zenith, horizon, color] = [new THREE.Color(sky?.zenith ?? 0x6f7885), new THREE.Color(sky?.horizon ?? 0xc9ced6), new THREE.Color()];
+  for (let i = 0; i < width * height; i++) {
+    const up = Math.sin(((Math.floor(i / width) + 0.5) / height - 0.5) * Math.PI);
+    color.copy(up < 0 ? floor : horizon);
+    if (up > 0) color.lerp(zenith, Math.sqrt(up));
+    if (up > 0.15 && up < 0.8 && i % (width / 2) < 7) color.setScalar(1);
+    color.convertLinearToSRGB();
+    data.set([255 * color.r, 255 * color.g, 255 * color.b, 255], 4 * i);
+  }
+  const texture = new THREE.DataTexture(data, width, height);
+  texture.mapping = THREE.EquirectangularReflectionMapping;
+  texture.colorSpace = THREE.SRGBColorSpace;
+  texture.needsUpdate = true;
+  return texture;
 }
 
 /**

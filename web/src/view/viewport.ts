@@ -4,6 +4,7 @@
  */
 import * as THREE from 'three';
 import { find_character, is_left_out } from '../core/document';
+import { shot_at, view_of, type FilmCamera } from '../core/film';
 import { format_label } from '../core/format';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, CharacterState, type Frame } from '../core/frames';
 import type { MechanismData } from '../core/protocol';
@@ -13,6 +14,7 @@ import { CameraRig } from './camera';
 import { body_surface, hidden_layer } from './body_view';
 import { CharacterView, Ghost, mechanism_geometries, type LinkTag } from './character_view';
 import { Arrow, assist_color, ContactDiscs, make_ring, Polyline, Segments, Spring } from './overlays';
+import { CameraOutlines } from './film_view';
 import { shadow_reach, Stage } from './stage';
 
 const ghost_offsets = [-0.8, -0.4, 0.4, 0.8]; // times of the ghosts relative to the current frame, s
@@ -55,6 +57,7 @@ export class Viewport {
   closest_pairs: { distance: number; middle: THREE.Vector3; a: number; b: number }[] = [];
   private readonly spring = new Spring();
   private readonly ring = make_ring();
+  private readonly cameras = new CameraOutlines();
   private readonly raycaster = new THREE.Raycaster();
   private readonly listeners = new Set<DrawListener>();
   private readonly drawing_listeners = new Set<() => void>();
@@ -73,6 +76,8 @@ export class Viewport {
   /** Position and size of the canvas on the page, px. */
   private rect = { left: 0, top: 0, width: 1, height: 1 };
   private framed_once = false;
+  /** Camera of the document and its view as shown last, as text; null: the view of the user. */
+  private filmed: string | null = null;
   private hovered: LinkTag | null = null;
   private pull: { tag: LinkTag; local: THREE.Vector3; target: THREE.Vector3 } | null = null;
   /** The last reported character states, as JSON. */
@@ -92,11 +97,16 @@ export class Viewport {
       this.contact_arrows.push(arrow);
       this.stage.scene.add(arrow.group);
     }
-    this.stage.scene.add(this.spring.group, this.ring, this.contact_discs.mesh, this.normals.lines, this.closest_lines.lines);
+    this.stage.scene.add(this.cameras.lines, this.spring.group, this.ring, this.contact_discs.mesh, this.normals.lines, this.closest_lines.lines);
     this.undo_subscriptions.push(
       session.store.subscribe((state, before) => this.state_changed(state, before)),
       session.frames.on_frame(() => this.invalidate()),
     );
+    this.rig.film_border = 1.12;
+    this.rig.on_leave = () => {
+      this.filmed = null;
+      session.set({ through: 'free' });
+    };
     this.state_changed(session.state, null);
     this.handle = requestAnimationFrame(this.tick);
   }
@@ -275,25 +285,31 @@ export class Viewport {
     return sphere ? sphere.center.clone().add(new THREE.Vector3(0, 0, sphere.radius + 0.06)) : null;
   }
 
-  /** The view as a PNG picture at full resolution, as it is drawn now; null if the browser cannot encode it. */
+  /**
+   * The view as a PNG picture at full resolution, as it is drawn now; of a view through a camera of the document, the camera's picture.
+   * Null if the browser cannot encode it.
+   */
   picture(): Promise<Blob | null> {
+    return new Promise((done) => this.picture_canvas().toBlob(done, 'image/png')); // in the same task as draw(), before the browser clears the buffer
+  }
+
+  private picture_canvas(): HTMLCanvasElement {
     this.draw(this.session.frames.latest, true);
-    return new Promise((done) => this.canvas.toBlob(done, 'image/png')); // in the same task as draw(), before the browser clears the buffer
+    const part = this.rig.film_frame;
+    if (!part) return this.canvas;
+    const [width, height] = [Math.round(this.canvas.width * part.width), Math.round(this.canvas.height * part.height)];
+    const out = Object.assign(document.createElement('canvas'), { width, height });
+    out.getContext('2d')!.drawImage(this.canvas, -(this.canvas.width - width) / 2, -(this.canvas.height - height) / 2);
+    return out;
   }
 
   // ---- updates from the state ----
 
   private state_changed(state: StudioState, before: StudioState | null): void {
-    if (!before || state.document !== before.document || state.preview !== before.preview || state.mechanisms !== before.mechanisms) {
+    const look = shown_document(state)?.look;
+    if (!before || state.theme !== before.theme || look !== shown_document(before)?.look) this.stage.set_look(look ?? {}, state.theme);
+    if (!before || state.document !== before.document || state.preview !== before.preview || state.mechanisms !== before.mechanisms || state.theme !== before.theme)
       this.sync_characters(state);
-    }
-    if (!before || state.theme !== before.theme || state.document?.look !== before.document?.look) {
-      this.stage.set_look({
-        theme: state.theme,
-        floor: state.document?.look?.floor ?? '#2a2c31',
-        light: state.document?.look?.light ?? 0.9,
-      });
-    }
     if (!before || state.selection !== before.selection) this.emphasise();
     this.rig.use_perspective = state.view.perspective;
     this.invalidate();
@@ -312,10 +328,11 @@ export class Viewport {
       this.drawn.delete(id);
     }
     for (const [id, mechanism] of wanted) {
-      const color = (doc && find_character(doc, id)?.color) || '#e6e6ea';
-      const entry = this.drawn.get(id);
-      if (entry) entry.character_view.set_color(color);
-      else this.drawn.set(id, this.add(id, mechanism, color));
+      const character = find_character(doc!, id)!;
+      const color = character.color || '#e6e6ea';
+      const entry = this.drawn.get(id) ?? this.add(id, mechanism, color);
+      this.drawn.set(id, entry);
+      entry.character_view.set_look(color, character, character.metalness ? this.stage.environment : null);
     }
     this.emphasise();
   }
@@ -395,6 +412,7 @@ export class Viewport {
   /** Sets the camera when all characters are drawn for the first time. */
   private first_view(): void {
     this.framed_once = true;
+    if (this.filmed !== null) return;
     const camera = this.session.state.document?.camera;
     if (camera?.azimuth !== undefined) this.rig.look_from(camera.azimuth, camera.elevation ?? 0.25);
     this.frame_all();
@@ -426,7 +444,37 @@ export class Viewport {
     }
   }
 
+  /** Time of the drawn frame, s. */
+  private get film_time(): number {
+    return this.session.frames.latest?.time ?? this.session.now;
+  }
+
+  /** The camera of the document through which the viewport looks now; null: the view of the user. */
+  get film_camera(): FilmCamera | null {
+    const { through } = this.session.state;
+    const doc = shown_document(this.session.state);
+    const id = through === 'shots' ? shot_at(doc?.shots, this.film_time)?.camera : through;
+    return doc?.cameras?.find((c) => c.id === id) ?? null;
+  }
+
+  /** Places the view at the camera of the document, or returns to the view of the user. @return false: the user moves the view */
+  private look_through(frame: Frame | null): boolean {
+    const camera = this.film_camera;
+    const view = camera && view_of(camera, this.film_time);
+    if (!camera && this.filmed === null) return false;
+    const { characters } = this.session.state;
+    const followed = frame?.characters[characters.findIndex((c) => c.id === camera?.follow)];
+    const centre = frame && followed ? centre_of_mass(frame, followed) : null;
+    const shown = camera ? `${camera.id} ${JSON.stringify(view)} ${centre?.join(' ')}` : null;
+    if (shown === this.filmed) return true;
+    this.filmed = shown;
+    this.rig.look_through(view, centre && { x: centre[0], y: centre[1] });
+    this.dirty = true;
+    return camera !== null;
+  }
+
   private follow(frame: Frame | null): void {
+    if (this.look_through(frame)) return;
     const { view, document, characters } = this.session.state;
     if (!view.follow || !frame) return this.rig.follow(null);
     const id = selected_character(this.session.state) ?? document?.camera?.follow ?? characters[0]?.id;
@@ -490,6 +538,21 @@ export class Viewport {
     this.normals.end();
     this.draw_closest_pairs(view.closest ? frame : null);
     this.draw_pull();
+    this.draw_cameras(frame);
+  }
+
+  private draw_cameras(frame: Frame | null): void {
+    const { selection, characters } = this.session.state;
+    const doc = shown_document(this.session.state);
+    this.cameras.begin();
+    if (this.filmed === null)
+      for (const camera of doc?.cameras ?? []) {
+        const followed = frame?.characters[characters.findIndex((c) => c.id === camera.follow)];
+        const [x, y] = frame && followed ? centre_of_mass(frame, followed) : [0, 0];
+        const chosen = selection.kind === 'camera' ? selection.camera : selection.kind === 'shot' ? doc?.shots?.find((s) => s.id === selection.shot)?.camera : null;
+        this.cameras.add(camera, this.film_time, { x, y }, camera.id === chosen);
+      }
+    this.cameras.end();
   }
 
   private draw_closest_pairs(frame: Frame | null): void {
