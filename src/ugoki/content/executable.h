@@ -31,8 +31,9 @@ struct ExecutableClip {
 
 struct ExecutableCharacter {
   std::string id, name;
-  std::string color;  ///< "#rrggbb"
-  int mechanism = 0;  ///< index into Executable::mechanisms
+  std::string color;    ///< "#rrggbb"
+  int mechanism = 0;    ///< index into Executable::mechanisms
+  MechanismPtr sprung;  ///< the mechanism with the springs of the secondary motion; null: no secondary motion
   ScenarioControl control;
   Placement placement;                ///< planar pose in the world at the start; m, heading in rad
   std::vector<double> q0;             ///< [nq] position coordinates at time 0
