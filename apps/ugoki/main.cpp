@@ -68,6 +68,7 @@ int main(int argc, char** argv) {
   add_export_verb(app, action);
   add_bake_verb(app, action);
   add_judge_verb(app, action);
+  add_correct_verb(app, action);
   add_lsi_verb(app, action);
   add_circuit_verb(app, action);
   add_mechanism_verb(app, action);

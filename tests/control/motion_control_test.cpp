@@ -230,5 +230,57 @@ TEST(MotionControl, FliesFreelyDuringAJump) {
   EXPECT_NEAR(s.state.q[2], s.reference[2], 0.01);
 }
 
+TEST(MotionControl, DoesNotDriveJointsWithoutEffort) {
+  // A trunk with an arm that has a drive and a tail of two links that has none, in the air with unlimited assist.
+  MechanismSpec spec;
+  spec.name = "tailed";
+  for (const char* name : {"trunk", "arm", "tail", "tip"}) {
+    LinkSpec l;
+    l.name = name;
+    if (l.name != "trunk") l.parent = l.name == "tip" ? "tail" : "trunk";
+    l.joint.type = l.name == "trunk" ? JointType::floating : JointType::revolute;
+    l.joint.axis = l.name == "tip" ? Vec3{0, 0, 1} : Vec3{0, 1, 0};
+    l.joint.X_PJ.p = l.name == "tip" ? Vec3{-0.3, 0, 0} : l.name == "arm" ? Vec3{0.2, 0, 0} : l.name == "tail" ? Vec3{-0.2, 0, 0} : Vec3{};
+    if (l.name == "tail" || l.name == "tip") {
+      l.joint.dofs[0].effort = 0;
+      l.joint.dofs[0].stiffness = 3;
+      l.joint.dofs[0].damping = 0.2;
+    }
+    const Shape shape = Shape::capsule(0.05, {0, 0, 0}, {l.name == "arm" ? 0.3 : -0.3, 0, 0});
+    l.inertia = solid_inertia(shape, 1000);
+    l.shapes.push_back(shape);
+    spec.links.push_back(l);
+  }
+  const MechanismPtr m = Mechanism::make(std::move(spec)).value();
+  ControlOptions options;
+  options.assist_limit = 100;
+  MotionControl control(m, options);
+  ControlState memory;
+  State s(*m);
+  s.q[2] = 1;
+  const std::vector<double> reference = s.q, rest(static_cast<std::size_t>(m->nv()), 0.0);
+  s.q[7] = 0.2;   // arm
+  s.q[8] = 0.5;   // tail
+  s.q[9] = -0.4;  // tip
+  s.v[6] = 1;
+  s.v[7] = -3;
+  s.v[8] = 2;
+  std::vector<double> tau(rest.size()), gain(rest.size()), target(rest.size());
+  constexpr double dt = 1e-6;  // s: short, so that explicit and implicit forces are equal
+  const ControlOutput out = control.step({s.q, s.v, reference, rest, rest, {}, 0, dt}, memory, tau, gain, target);
+  EXPECT_EQ(tau[7], 0);
+  EXPECT_EQ(tau[8], 0);
+  EXPECT_EQ(gain[7], 0);
+  // Forward dynamics with the torques, the assist and the springs: root and arm have the accelerations that the controller wants.
+  std::vector<double> total = tau, a(rest.size());
+  for (const std::size_t i : {7u, 8u}) total[i] -= 3 * s.q[i + 1] + 0.2 * s.v[i];
+  std::vector<Vec6> wrenches(4);
+  wrenches[0] = MotionControl::about_world_origin(out.assist, {s.q[0], s.q[1], s.q[2]});
+  dynamics::Workspace ws(*m);
+  ASSERT_TRUE(dynamics::calc_forward_dynamics(*m, ws, s.q, s.v, total, {0, 0, -9.81}, wrenches, a));
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(a[i], 0, 0.01) << i;
+  EXPECT_NEAR(a[6], -400 * 0.2 - 40 * 1.0, 0.05);
+}
+
 }  // namespace
 }  // namespace ugoki::control

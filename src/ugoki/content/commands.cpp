@@ -270,6 +270,7 @@ class Work {
     if (c->color != before.color) return "Colour character";
     if (!(c->material == before.material)) return "Change material";
     if (!(c->control == before.control)) return "Set control of character";
+    if (!(c->secondary == before.secondary)) return "Set secondary motion of character";
     if (c->muted != before.muted) return c->muted ? "Mute track" : "Unmute track";
     if (c->solo != before.solo) return c->solo ? "Solo track" : "End solo of track";
     if (c->locked != before.locked) return c->locked ? "Lock track" : "Unlock track";

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "ugoki/content/generate.h"
+#include "ugoki/content/secondary_motion.h"
 #include "ugoki/content/track.h"
 #include "ugoki/content/ugx.h"
 #include "ugoki/formats/mechanism_json.h"
@@ -151,6 +152,9 @@ class Reader {
         character.moves.push_back({rule->id, index, clip});
       }
       character.q0 = start_position(c, mechanism, track, resources_);
+      Result<MechanismPtr> sprung = with_secondary_motion(c, mechanism, character.q0, s);
+      if (!sprung) return take_problems(sprung.error());
+      character.sprung = std::move(*sprung);
       out_.characters.push_back(std::move(character));
     }
   }

@@ -33,7 +33,8 @@ struct ExecutableCharacter {
   std::string id, name;
   std::string color;  ///< "#rrggbb"
   ScenarioMaterial material;
-  int mechanism = 0;  ///< index into Executable::mechanisms
+  int mechanism = 0;    ///< index into Executable::mechanisms
+  MechanismPtr sprung;  ///< the mechanism with the springs of the secondary motion; null: no secondary motion
   ScenarioControl control;
   Placement placement;                ///< planar pose in the world at the start; m, heading in rad
   std::vector<double> q0;             ///< [nq] position coordinates at time 0

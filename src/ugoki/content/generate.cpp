@@ -5,6 +5,7 @@
 #include "ugoki/content/default_circuit.h"
 #include "ugoki/content/json_fields.h"
 #include "ugoki/content/layered_motions.h"
+#include "ugoki/content/secondary_motion.h"
 #include "ugoki/content/track.h"
 #include "ugoki/content/ugx.h"
 #include "ugoki/formats/mechanism_json.h"
@@ -71,9 +72,13 @@ Result<std::vector<std::byte>> generate(const Scenario& scenario, const Resource
 
   std::vector<double> placements;
   for (const ScenarioCharacter& c : document.characters) {
-    for (const Clip& clip : lay_track(c, *resources.mechanisms.at(c.mechanism), resources)) {
+    const Mechanism& mechanism = *resources.mechanisms.at(c.mechanism);
+    const std::vector<Clip> track = lay_track(c, mechanism, resources);
+    for (const Clip& clip : track)
       placements.insert(placements.end(), {clip.placement.x, clip.placement.y, clip.placement.z, clip.placement.heading});
-    }
+    if (c.secondary.empty()) continue;
+    const Result<MechanismPtr> sprung = with_secondary_motion(c, mechanism, start_position(c, mechanism, track, resources), document);
+    if (!sprung) return fail(sprung.error());
   }
 
   UgxWriter writer;

@@ -127,6 +127,13 @@ class Checker {
     }
     check_material(c.material, mechanism, location, problems_);
     if (c.control.mode == ControlMode::torque) check_torque_track(c, location);
+    for (std::size_t i = 0; i < c.secondary.size(); ++i) {
+      const ScenarioSecondary& s = c.secondary[i];
+      const std::string at = location + "/secondary/" + std::to_string(i);
+      check_link(at + "/link", s.link, mechanism);
+      range(at + "/frequency", s.frequency, 0.05, 50, "Hz");
+      range(at + "/damping", s.damping, 0, 10, "");
+    }
     for (std::size_t i = 0; i < c.track.size(); ++i) {
       const std::string clip_location = location + "/track/" + std::to_string(i);
       check_clip(c.track[i], mechanism, clip_location);

@@ -59,6 +59,15 @@ struct ScenarioControl {
   friend bool operator==(const ScenarioControl&, const ScenarioControl&) = default;
 };
 
+/// Joints of a character that no drive moves: the joint of `link` and all joints below it swing on springs (dynamics/spring_chains.h).
+struct ScenarioSecondary {
+  std::string link;       ///< name or label of the first link of the chain
+  double frequency = 2;   ///< Hz: lowest natural frequency of the chain
+  double damping = 0.15;  ///< damping ratio of the lowest mode
+  bool neutral = false;   ///< true: the springs rest in the neutral position; false: in the character's pose at time 0
+  friend bool operator==(const ScenarioSecondary&, const ScenarioSecondary&) = default;
+};
+
 /// Position and heading of a character at the start.
 struct ScenarioPlace {
   double x = 0, y = 0, z = 0;  ///< m, world
@@ -78,6 +87,7 @@ struct ScenarioCharacter {
   bool locked = false;              ///< commands that change its clips or remove it are refused
   std::string group;                ///< name of the group of tracks to which it belongs in the timeline; empty: none
   std::vector<ScenarioClip> track;  ///< sorted by start
+  std::vector<ScenarioSecondary> secondary = {};
   friend bool operator==(const ScenarioCharacter&, const ScenarioCharacter&) = default;
 };
 

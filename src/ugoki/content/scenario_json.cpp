@@ -89,6 +89,22 @@ void read_control(Fields& f, ScenarioControl& out) {
     f.report(ErrorCode::unknown, f.path("beyond"), "There is no action '" + beyond + "' beyond the assist limit.", "Use \"release\".");
 }
 
+namespace {
+
+void read_secondary(Fields& f, ScenarioSecondary& out) {
+  std::string rest = "start";
+  f.require("link", "the name of the first link of the chain");
+  f.text("link", out.link);
+  f.number("frequency", out.frequency);
+  f.number("damping", out.damping);
+  f.text("rest", rest);
+  out.neutral = rest == "neutral";
+  if (!out.neutral && rest != "start")
+    f.report(ErrorCode::unknown, f.path("rest"), "There is no rest pose '" + rest + "'.", "Use \"start\" or \"neutral\".");
+}
+
+}  // namespace
+
 void read_character(Fields& f, ScenarioCharacter& out) {
   f.text("id", out.id);
   f.text("name", out.name);
@@ -101,6 +117,14 @@ void read_character(Fields& f, ScenarioCharacter& out) {
   f.text("group", out.group);
   read_object(f, "place", [&](Fields& g) { read_place(g, out.place); });
   read_object(f, "control", [&](Fields& g) { read_control(g, out.control); });
+  if (const Json* list = f.list("secondary", 1000, "secondary")) {
+    out.secondary.clear();
+    for (std::size_t i = 0; i < list->size(); ++i) {
+      Fields g((*list)[i], f.path("secondary") + "/" + std::to_string(i), f.problems());
+      read_secondary(g, out.secondary.emplace_back());
+      g.refuse_others();
+    }
+  }
 }
 
 namespace {
@@ -225,6 +249,12 @@ Json to_json(const ScenarioCharacter& c) {
                  {"beyond", "release"}}},
                {"track", std::move(track)}};
   write_material(c.material, json);
+  if (!c.secondary.empty()) {
+    Json chains = Json::array();
+    for (const ScenarioSecondary& s : c.secondary)
+      chains.push_back({{"link", s.link}, {"frequency", s.frequency}, {"damping", s.damping}, {"rest", s.neutral ? "neutral" : "start"}});
+    json["secondary"] = std::move(chains);
+  }
   if (c.muted) json["muted"] = true;
   if (c.solo) json["solo"] = true;
   if (c.locked) json["locked"] = true;

@@ -32,6 +32,13 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
   forces_.resize(max_supports);
   weight_ = m.mass() * norm(options_.gravity);
   floating_ = m.link(0).joint.type == JointType::floating;
+  for (int i = floating_ ? 6 : 0; i < m.nv(); ++i)
+    if (m.dof(i).effort == 0) undriven_.push_back(i);
+  if (!undriven_.empty()) {
+    extra_.resize(wanted_.size());
+    response_.resize(wanted_.size());
+    if (workspace_.chain.empty()) workspace_.make_rows(m);
+  }
   std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
   calc_poses(m, m.neutral(), X);
   double low = X[0].p.z, high = low;
@@ -49,6 +56,28 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
     spread += mass * (d.x * d.x + d.y * d.y);
   }
   lever_ = std::max({0.1, X[0].p.z - low, 0.5 * (high - low), m.mass() > 0 ? std::sqrt(spread / m.mass()) : 0.0});
+}
+
+void MotionControl::predict_undriven(const ControlInput& in, std::span<double> tau) {
+  // A very large inertia holds the driven joints at their wanted accelerations while M is solved for the change of the others.
+  constexpr double held = 1e9;  // multiple of a joint's inertia
+  dynamics::Workspace& ws = workspace_;
+  dynamics::calc_inertia_rows(*mechanism_, ws);
+  for (std::size_t i = 0; i < extra_.size(); ++i) {
+    extra_[i] = held * std::max(ws.M[static_cast<std::size_t>(ws.row_start[i + 1] - 1)], 1e-6);
+    response_[i] = 0;
+  }
+  for (const int k : undriven_) {
+    const auto i = static_cast<std::size_t>(k);
+    const Dof& f = ws.dofs[i];
+    const double next_v = in.v[i] + in.dt * wanted_[i], spring = f.stiffness > 0 ? f.stiffness : 0;
+    extra_[i] = in.dt * (f.damping + in.dt * spring);
+    response_[i] = -tau[i] - f.damping * next_v - spring * (displacement_[i] + in.dt * next_v - f.rest);
+  }
+  if (dynamics::factor(ws, extra_) >= 0) return;  // a joint without inertia: keep the wanted accelerations
+  dynamics::solve(ws, response_);
+  for (const int k : undriven_) wanted_[static_cast<std::size_t>(k)] += response_[static_cast<std::size_t>(k)];
+  dynamics::calc_inverse_dynamics(*mechanism_, ws, wanted_, options_.gravity, {}, tau);
 }
 
 void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
@@ -169,6 +198,8 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
 
   // 2. Inverse dynamics
   dynamics::calc_inverse_dynamics(m, ws, wanted_, options_.gravity, {}, tau);
+  for (const Link& link : m.links()) joint_displacement(link.joint, in.q.data() + link.q_index, displacement_.data() + link.v_index);
+  if (!undriven_.empty()) predict_undriven(in, tau);
 
   // 3. Contact forces
   if (floating_) {
@@ -203,7 +234,6 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
   }
 
   // The stepper applies the joints' springs and dampers; the drive adds the difference to the wanted torque, within its effort limit.
-  for (const Link& link : m.links()) joint_displacement(link.joint, in.q.data() + link.q_index, displacement_.data() + link.v_index);
   for (std::size_t i = root_dofs; i < n; ++i) {
     const Dof& f = ws.dofs[i];
     const double next_v = in.v[i] + in.dt * wanted_[i];

@@ -105,6 +105,9 @@ class MotionControl {
   ControlOptions options_;
   /// Sets supports_ to the contacts that can bear load: planted in the reference and closed in the present state.
   void find_supports(const ControlInput& input, const Vec3& shift);
+  /// Replaces the wanted accelerations of the joints without a drive (effort 0) by those that their springs and dampers will cause, and
+  /// recomputes the torques. The other joints keep their wanted accelerations.
+  void predict_undriven(const ControlInput& input, std::span<double> tau);
   /// Free fall: the part of the weight that the ground does not carry accelerates the body. Recomputes torques, reduces the missing wrench.
   /// @param ahead m, world: actual minus reference position of the root
   /// @param gravity m/s^2, in and out: gravity minus the acceleration of the free fall, for inverse dynamics
@@ -131,6 +134,8 @@ class MotionControl {
   bool floating_ = false;
   std::vector<double> wanted_;  // [nv] accelerations, m/s^2 | rad/s^2
   std::vector<double> displacement_;
+  std::vector<int> undriven_;              // velocity indices of the joint DOFs without a drive
+  std::vector<double> extra_, response_;   // [nv] scratch memory of predict_undriven(); empty if all joints have drives
   std::vector<unsigned char> bears_load_;  // [nv] 1: DOF on the chain between a support and the root
   std::vector<Support> supports_;
   std::vector<int> support_links_;

@@ -1,0 +1,44 @@
+#pragma once
+// Momentum of a motion, loaded points of the soles, and the forces that are missing. Internal to correction.
+
+#include <vector>
+
+#include "ugoki/correction/correct.h"
+#include "ugoki/motion_edit/foot_contacts.h"
+#include "ugoki/spatial/spatial.h"
+
+namespace ugoki::correction {
+
+/// Frames [first, last] in which no foot is in contact.
+struct Flight {
+  int first = 0, last = 0;
+  [[nodiscard]] int frames() const { return last - first + 1; }
+};
+
+struct Observation {
+  double mass = 0;                          ///< kg
+  double rate = 0;                          ///< frames per second
+  std::vector<Vec3> centre;                 ///< [frames] m: centre of mass
+  std::vector<Vec3> acceleration;           ///< [frames] m/s^2, of the centre of mass
+  std::vector<Vec3> spin, moment;           ///< [frames] N m s, N m: angular momentum about the centre of mass, and its rate
+  std::vector<Sym3> inertia;                ///< [frames] kg m^2, about the centre of mass with all joints locked
+  std::vector<std::vector<Vec3>> supports;  ///< [frames] m: loaded points of the soles of the feet in contact
+  std::vector<Flight> flights;              ///< of at least `min_flight`
+  [[nodiscard]] int frames() const { return static_cast<int>(centre.size()); }
+};
+
+/// s: shorter times without contact are gaps in the detection of contacts rather than flights, which last 0.05 s in the slowest runs.
+inline constexpr double min_flight = 0.05;
+
+[[nodiscard]] std::vector<Flight> find_flights(const motion_edit::FootContacts& contacts, int frames, double rate);
+
+[[nodiscard]] Observation observe(const Mechanism& m, const Motion& motion, const motion_edit::FootContacts& contacts);
+
+/// Measures of the motion for the report.
+[[nodiscard]] CorrectionMeasures measure(const Mechanism& m, const Motion& motion, const motion_edit::FootContacts& contacts,
+                                         const CorrectOptions& options);
+
+/// Moves the whole character by the rigid displacement X (world). The root must be floating. @param q [nq, in and out]
+void displace(const Mechanism& m, const Pose& X, double* q);
+
+}  // namespace ugoki::correction
