@@ -184,6 +184,103 @@ TEST(Arrange, FeetDrivenFromTheRootAreAttachedToTheirShanks) {
   for (int i = 0; i < odd.joint_count(); ++i) EXPECT_LT(odd.skeleton.joints[static_cast<std::size_t>(i)].parent, i);
 }
 
+/// The walk with feet that have no parent, are listed before the body, and have the names of controls: a game rig whose paws or feet are
+/// controls of inverse kinematics beside the body. In the last `lost` frames the left foot is 0.5 m away from the end of its shank.
+MeasuredMotion walk_with_loose_feet(int lost) {
+  const MeasuredMotion before = samples::make_human_walk();
+  const auto n = static_cast<std::size_t>(before.joint_count());
+  std::vector<std::size_t> order;
+  const auto belongs = [&](int i) {
+    for (; i >= 0; i = before.skeleton.joints[static_cast<std::size_t>(i)].parent)
+      if (before.skeleton.joints[static_cast<std::size_t>(i)].name.ends_with("Foot")) return true;
+    return false;
+  };
+  for (const bool foot : {true, false})
+    for (std::size_t i = 0; i < n; ++i)
+      if (belongs(static_cast<int>(i)) == foot) order.push_back(i);
+  MeasuredMotion odd = before;
+  odd.translations.clear();
+  odd.rotations.clear();
+  const std::vector<Vec3> rest = rest_positions(before.skeleton);
+  std::vector<int> place(n);
+  for (std::size_t k = 0; k < n; ++k) place[order[k]] = static_cast<int>(k);
+  for (std::size_t k = 0; k < n; ++k) {
+    SkeletonJoint& joint = odd.skeleton.joints[k] = before.skeleton.joints[order[k]];
+    const bool foot = joint.name.ends_with("Foot");
+    joint.parent = joint.parent < 0 || foot ? -1 : place[static_cast<std::size_t>(joint.parent)];
+    if (!foot) continue;
+    joint.offset = rest[order[k]];
+    joint.name = joint.name.starts_with("Left") ? "IKLeg.L" : "IKLeg.R";
+    joint.translates = true;
+  }
+  std::vector<Pose> X;
+  for (int f = 0; f < before.frames; ++f) {
+    before.calc_joint_poses(f, X);
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t i = order[k];
+      const bool root = odd.skeleton.joints[k].parent < 0;
+      const bool away = odd.skeleton.joints[k].name == "IKLeg.L" && f >= before.frames - lost;
+      odd.translations.push_back(root ? X[i].p + Vec3{0, away ? 0.5 : 0.0, 0} : before.translations[static_cast<std::size_t>(f) * n + i]);
+      odd.rotations.push_back(root ? to_quat(X[i].R) : before.rotations[static_cast<std::size_t>(f) * n + i]);
+    }
+  }
+  return odd;
+}
+
+TEST(Arrange, FeetBesideTheBodyAreAttachedToTheirShanks) {
+  const MeasuredMotion before = samples::make_human_walk();
+  for (const int lost : {0, before.frames / 30}) {
+    MeasuredMotion odd = walk_with_loose_feet(lost);
+    ASSERT_NE(body::recognise_character(odd).plan, body::BodyPlan::human) << "the feet must be missing before";
+    std::vector<std::string> report;
+    const body::Character character = arrange(std::span(&odd, 1), report);
+    ASSERT_EQ(character.plan, body::BodyPlan::human) << character.why_not;
+    for (const auto& [control, shank] : {std::pair("IKLeg.L", "LeftLeg"), {"IKLeg.R", "RightLeg"}}) {
+      const int foot = find(odd, control);
+      ASSERT_GE(foot, 0);
+      const int parent = odd.skeleton.joints[static_cast<std::size_t>(foot)].parent;
+      ASSERT_GE(parent, 0);
+      EXPECT_EQ(odd.skeleton.joints[static_cast<std::size_t>(parent)].name, shank);
+      EXPECT_TRUE(character.legs[0].end == foot || character.legs[1].end == foot) << "the control is the foot";
+      EXPECT_EQ(character.helper[static_cast<std::size_t>(foot)], 0);
+    }
+    if (lost == 0) EXPECT_LT(max_distance(before, odd), 1e-9);
+  }
+}
+
+TEST(Arrange, TargetsOfInverseKinematicsAtAJointAreLeftOut) {
+  // A complete skeleton with targets beside the body, at the ankles.
+  const MeasuredMotion before = samples::make_human_walk();
+  MeasuredMotion odd = before;
+  const auto n = static_cast<std::size_t>(before.joint_count());
+  for (const char* name : {"LeftFoot", "RightFoot"}) {
+    SkeletonJoint target;
+    target.name = std::string("Target") + name;
+    target.translates = true;
+    target.offset = rest_positions(before.skeleton)[static_cast<std::size_t>(find(before, name))];
+    odd.skeleton.joints.push_back(std::move(target));
+  }
+  odd.translations.clear();
+  odd.rotations.clear();
+  std::vector<Pose> X;
+  for (int f = 0; f < before.frames; ++f) {
+    before.calc_joint_poses(f, X);
+    for (std::size_t i = 0; i < n; ++i) {
+      odd.translations.push_back(before.translations[static_cast<std::size_t>(f) * n + i]);
+      odd.rotations.push_back(before.rotations[static_cast<std::size_t>(f) * n + i]);
+    }
+    for (const char* name : {"LeftFoot", "RightFoot"}) {
+      odd.translations.push_back(X[static_cast<std::size_t>(find(before, name))].p);
+      odd.rotations.emplace_back();
+    }
+  }
+  std::vector<std::string> report;
+  const body::Character character = arrange(std::span(&odd, 1), report);
+  EXPECT_EQ(character.plan, body::BodyPlan::human) << character.why_not;
+  EXPECT_EQ(odd.joint_count(), before.joint_count());
+  EXPECT_EQ(find(odd, "TargetLeftFoot"), -1);
+}
+
 TEST(Arrange, AJumpToAnotherPlaceCutsTheMotion) {
   MeasuredMotion walk = samples::make_human_walk();
   std::vector<std::string> report;

@@ -470,9 +470,10 @@ Result<Body> make_body(const MeasuredMotion& motion, const BodyOptions& options)
 }
 
 namespace {
-/// Height [m] of the floor under a character that is not human: in most frames its lowest point touches the floor.
+/// Height [m] of the floor under a character that is not human: in most frames its lowest point touches the floor. For four-legged animals
+/// only the frames count in which they stand (usually_stands).
 double lowest_level(const Body& body, const MeasuredMotion& motion) {
-  std::vector<double> lows;
+  std::vector<double> lows, heights;
   std::vector<Pose> X;
   const int step = std::max(1, motion.frames / 1000);
   std::vector<std::vector<SupportPoint>> points;
@@ -483,8 +484,16 @@ double lowest_level(const Body& body, const MeasuredMotion& motion) {
     for (std::size_t i = 0; i < X.size(); ++i)
       for (const SupportPoint& s : points[i]) low = std::min(low, (X[i] * s.p).z - s.radius);
     lows.push_back(low);
+    heights.push_back(X[0].p.z - low);
   }
   if (lows.empty()) return 0;
+  if (body.anatomy.plan == "four legs") {
+    const std::vector<char> stands = usually_stands(heights);
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < lows.size(); ++k)
+      if (stands[k] != 0) lows[kept++] = lows[k];
+    lows.resize(kept);
+  }
   const auto middle = lows.begin() + static_cast<std::ptrdiff_t>(lows.size() / 10);
   std::nth_element(lows.begin(), middle, lows.end());
   return *middle < 1e200 ? *middle : 0;

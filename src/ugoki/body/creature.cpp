@@ -180,6 +180,23 @@ class Maker {
     }
   }
 
+  /// Leaves only the poses in which the animal stands.
+  void keep_standing(std::vector<std::vector<Pose>>& poses) {
+    std::vector<double> heights;
+    for (const auto& X : poses) {
+      double low = 1e300;
+      for (int i = 0; i < n_; ++i)
+        if (!link(i).follows)
+          for (const Vec3& b : bones_[at(i)]) low = std::min(low, (X[at(i)] * b).z);
+      heights.push_back(X[0].p.z - low);
+    }
+    const std::vector<char> stands = usually_stands(heights);
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < poses.size(); ++k)
+      if (stands[k] != 0) std::swap(poses[kept++], poses[k]);
+    poses.resize(kept);
+  }
+
   /// Adds a pad to each end of the tree that comes close to the floor. The pads reach down to the floor, so that all feet stand on one
   /// level although their joints are at different heights. The floor is a level plane below the lowest end.
   void add_pads() {
@@ -198,6 +215,7 @@ class Maker {
       m_.calc_joint_poses(f, X);
       poses.push_back(X);
     }
+    if (four_legs()) keep_standing(poses);
     for (int i = 0; i < n_; ++i) {
       bool last = true;  // the joint has no child with mass
       for (int c = i + 1; c < n_; ++c)
@@ -359,6 +377,17 @@ class Maker {
 };
 
 }  // namespace
+
+std::vector<char> usually_stands(const std::vector<double>& heights) {
+  constexpr double share = 0.75;
+  std::vector<double> sorted = heights;
+  const auto high = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 9 / 10);
+  std::nth_element(sorted.begin(), high, sorted.end());
+  std::vector<char> stands;
+  for (const double h : heights) stands.push_back(h >= share * *high ? 1 : 0);
+  if (static_cast<std::size_t>(std::ranges::count(stands, 1)) * 10 < heights.size()) stands.assign(heights.size(), 1);
+  return stands;
+}
 
 Creature make_creature(const Character& character, const MeasuredMotion& motion, const BodyOptions& options) {
   return Maker(character, motion, options).run();

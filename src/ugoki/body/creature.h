@@ -28,6 +28,12 @@ struct Creature {
   std::vector<std::string> notes;   ///< sentences for the report
 };
 
+/// Frames in which a four-legged animal stands: its root is at least at three quarters of its usual height above its lowest point. Crouching
+/// dogs reach 0.8, sitting dogs 0.3. Lying and sitting animals are left out of estimates of the floor, because belly, elbows and metatarsi
+/// then are below the level of the paws: bones have no flesh. If the animal stands in less than a tenth of the frames, all frames count.
+/// @param heights [frames] m, not empty
+[[nodiscard]] std::vector<char> usually_stands(const std::vector<double>& heights);
+
 /// Makes the links of a character that is not human. @param motion in the character's canonical rest pose
 [[nodiscard]] Creature make_creature(const Character& character, const MeasuredMotion& motion, const BodyOptions& options);
 

@@ -6,6 +6,8 @@
 #include <set>
 #include <string_view>
 
+#include "ugoki/body/limb_geometry.h"
+
 namespace ugoki::body {
 namespace {
 
@@ -211,6 +213,7 @@ constexpr std::string_view helper_words[] = {
     "tongue",     "brow",  "eyebrow",   "lip",      "lips",    "teeth", "face",    "cheek", "nose",  "ear",    "muscle",
     "corrective", "bulge", "socket",    "attach",   "headtop", "tip",   "control", "hat",   "mouth", "chin",   "nostril"};
 
+bool is_control_word(std::string_view w) { return w == "ik" || w == "fk" || w == "ctrl" || w == "control" || w == "target"; }
 bool is_helper_word(std::string_view w) { return std::ranges::find(helper_words, w) != std::end(helper_words); }
 
 const Entry* find_entry(std::string_view joined) {
@@ -247,9 +250,15 @@ int take_side(std::string& word) {
   return 0;
 }
 
+std::string without(std::string text, std::string_view word) {
+  const std::size_t i = text.find(word);
+  return i == std::string::npos ? text : text.erase(i, word.size());
+}
+
 NameEvidence evidence_of(const std::vector<std::string>& words) {
   NameEvidence out;
   std::string joined;
+  bool control = false, follows = false, back = false;
   for (std::string word : words) {
     if (is_digit(word[0])) continue;
     if (const int side = side_of_word(word); side != 0) {
@@ -258,18 +267,25 @@ NameEvidence evidence_of(const std::vector<std::string>& words) {
     }
     if (word == "lfront" || word == "lfore") out.side = 1;
     if (const int side = take_side(word); side != 0 && out.side == 0) out.side = side;
-    out.helper = out.helper || is_helper_word(word) || word.ends_with("twist") || word.ends_with("roll") || word.ends_with("nub") ||
-                 word.starts_with("twist");
+    if (is_control_word(word)) {
+      control = true;
+      continue;
+    }
+    follows = follows || is_helper_word(word) || word.ends_with("twist") || word.ends_with("roll") || word.ends_with("nub") ||
+              word.starts_with("twist");
     out.end = out.end || word == "nub" || word == "end" || word == "tip" || word == "site" || word == "effector" || word == "headtop" ||
               word.ends_with("nub");
     out.tail = out.tail || word == "tail" || word.starts_with("tail") || word == "schwanz" || word == "queue";
     out.wing = out.wing || word.find("wing") != std::string::npos || word.find("feather") != std::string::npos;
     out.paw = out.paw || word == "paw" || word == "hoof" || word == "claw" || word == "pfote" || word == "fetlock" || word == "pastern" ||
               word == "hock";
-    out.fore = out.fore || word == "front" || word == "fore" || word == "frt" || word == "anterior";
+    out.fore = out.fore || word == "front" || word == "fore" || word == "frt" || word == "anterior" || word == "forward";
     out.hind = out.hind || word == "hind" || word == "rear" || word == "posterior" || word == "bck";
+    back = back || word == "back" || word == "backward";
     joined += word;
   }
+  out.helper = control || follows;
+  out.control = control && !follows;
   if (const Entry* e = find_entry(joined)) {
     out.part = e->part;
     out.second = e->second;
@@ -280,6 +296,14 @@ NameEvidence evidence_of(const std::vector<std::string>& words) {
       out.second = e->second;
     }
   }
+  // "Back" is a part of the trunk, but "BackLeg" a hind leg.
+  if (back && joined != "back")
+    if (const Entry* e = find_contained(without(joined, "back")); e && (is_leg(e->part) || is_arm(e->part))) {
+      out.part = is_leg(e->part) ? e->part : Part::other;
+      out.second = is_leg(e->part) ? e->second : Part::other;
+      out.hind = true;
+    }
+  if (out.part == Part::forearm) out.fore = false;  // "ForeArm" is no fore limb
   out.weak = joined == "wrist" || joined == "heel" || joined == "hipjoint";
   // A hip with a side is a thigh; a hip without a side is the pelvis.
   if (out.part == Part::thigh && out.second == Part::pelvis) out.part = out.side != 0 ? Part::thigh : Part::pelvis;

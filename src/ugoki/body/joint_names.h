@@ -16,6 +16,7 @@ struct NameEvidence {
   Part second = Part::other;  ///< a second meaning of an ambiguous word ("leg": shank or thigh); `other`: none
   int side = 0;               ///< 1 left, -1 right, 0 not stated
   bool helper = false;        ///< a bone that only follows: twist, roll, end, effector, hair, cloth, face, camera ...
+  bool control = false;       ///< a helper only by a word for controls of inverse kinematics ("IK", "ctrl", "target")
   bool weak = false;          ///< the word often names a joint next to the one where `part` begins ("wrist": in the forearm, or the hand)
   bool end = false;           ///< a helper that marks the end of its parent's bone ("HeadNub", "LeftToe_End")
   bool tail = false;          ///< a tail

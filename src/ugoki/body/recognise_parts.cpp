@@ -83,6 +83,10 @@ void Recogniser::decide_plan() {
   }
   animal += f_.tail.empty() ? 0 : 0.8;
   animal += animal_names >= 2 ? 1 : 0;
+  // Animals whose joints have human names seldom have fingers. 3ds Max Biped names the toes of fore limbs fingers, but adds a tail.
+  int fingers = 0;
+  for (const NameEvidence& e : names_) fingers += !e.helper && (e.part == Part::fingers || e.part == Part::thumb) ? 1 : 0;
+  animal -= fingers < 4 ? 0 : f_.tail.empty() ? 1.2 : 0.8;
   f_.plan = animal > 1 ? BodyPlan::four_legs : BodyPlan::human;
   const std::string characters = "trunk " + to_fixed(ugoki::acos(std::clamp(upright, -1.0, 1.0)) * 180 / pi, 0) +
                                  " degrees from upright, legs " + to_fixed(ratio, 2) + " trunk lengths" +

@@ -67,6 +67,7 @@ class Recogniser {
   /// Finds the longest path below each joint, and the branches that are long enough for a limb. Helper joints begin no branch.
   void find_branches() {
     const auto n = at(n_);
+    find_driving_controls();
     find_ignored();
     down_.assign(n, 0);
     heir_.assign(n, -1);
@@ -113,6 +114,26 @@ class Recogniser {
       }
   }
 
+  /// Counts controls of inverse kinematics that are part of a limb as joints of it: the control stays at the end of its parent's bone, has a
+  /// bone of its own, and the parent has no other child. (Rigs of games have a paw "IKBackLeg.L" with the toes, and no other joint there.)
+  void find_driving_controls() {
+    // Shares of the bone's length, of the frames, and of the length of the parent's bone. In animations of games a limb does not reach the
+    // control in up to a fifth of the frames.
+    constexpr double rigid = 0.03, reached = 0.75, shortest = 0.1;
+    for (int i = 0; i < n_; ++i) {
+      const int p = parent(i);
+      if (!name(i).control || p < 0 || shape_.children(i).empty() || shape_.children(p).size() != 1) continue;
+      const double length = shape_.bone_length(i);
+      if (length < shortest * shape_.bone_length(p)) continue;
+      int near = 0;
+      for (int f = 0; f < shape_.frames(); ++f)
+        near += std::fabs(norm(shape_.p(f, i) - shape_.p(f, p)) - length) < rigid * length ? 1 : 0;
+      if (near < reached * shape_.frames()) continue;
+      names_[at(i)].helper = names_[at(i)].control = false;
+      names_[at(i)].part = Part::other;
+    }
+  }
+
   /// True if joint i has the name of a helper joint (twist, end, hair, face) and no descendant has the name of a body part.
   [[nodiscard]] bool ignored(int i) const { return ignored_[at(i)] != 0; }
   void find_ignored() {
@@ -132,6 +153,12 @@ class Recogniser {
     for (const int i : b.path)
       if (test(name(i).part)) sum += name(i).helper ? 0.3 : 1;
     return std::min(3.0, sum);
+  }
+  /// Number of joints of a branch with the name of a hind limb, less those with the name of a fore limb; at most 3.
+  [[nodiscard]] double hind(const Branch& b) const {
+    double sum = 0;
+    for (const int i : b.path) sum += (name(i).hind ? 1 : 0) - (name(i).fore ? 1 : 0);
+    return std::clamp(sum, -3.0, 3.0);
   }
   [[nodiscard]] double named_side(const Branch& b) const {
     double sum = 0;
@@ -218,6 +245,7 @@ class Recogniser {
         double score = legs.score + arms.score;
         score += 1.2 * (named(leg, is_leg) + named(leg2, is_leg) - named(leg, is_arm) - named(leg2, is_arm));
         score += 1.2 * (named(arm, is_arm) + named(arm2, is_arm) - named(arm, is_leg) - named(arm2, is_leg));
+        score += 0.6 * (hind(leg) + hind(leg2) - hind(arm) - hind(arm2));
         const double ratio = leg.length / arm.length;
         score -= 3 * square(ugoki::log(ratio / 1.15) / ugoki::log(2.0));
         score += 6 * std::min(0.5, (leg.length + arm.length) / size_);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 
 #include "ugoki/formats/text.h"
 
@@ -71,7 +72,8 @@ std::string unescaped(std::string_view uri) {
 
 class Parser {
  public:
-  Parser(std::string_view name, const GltfFiles& files, ReadNotes& notes) : name_(name), files_(files), notes_(notes) {}
+  Parser(std::string_view name, const GltfFiles& files, const GltfUnpack& unpack, ReadNotes& notes)
+      : name_(name), files_(files), unpack_(unpack), notes_(notes) {}
 
   Result<GltfDocument> parse(std::span<const std::byte> bytes) {
     if (!split(bytes) || !check_asset() || !read_buffers() || !read_nodes() || !read_skins() || !read_animations())
@@ -135,7 +137,7 @@ class Parser {
                                    " is not supported; meshes are skipped.");
     // Unlike Draco, which compresses meshes only, meshopt compresses animations and skins too.
     for (const Json& view : list("bufferViews"))
-      if (const Json* extensions = member(view, "extensions"); extensions != nullptr && member(*extensions, "EXT_meshopt_compression"))
+      if (!unpack_ && packing_of(view) != nullptr)
         return refuse(ErrorCode::unsupported, "bufferViews", "The data are compressed with EXT_meshopt_compression, which is not read.",
                       "Convert the file without compression, for example with gltf-transform copy.");
     return true;
@@ -307,24 +309,66 @@ class Parser {
     const Json& views = list("bufferViews");
     const auto which = index(object, key, views.size());
     if (!which || *which < 0) return refuse(ErrorCode::structure, location, "The index of the buffer view is missing or invalid.");
-    const Json& json = views[static_cast<std::size_t>(*which)];
-    const auto buffer = index(json, "buffer", buffers_.size()),
-               start = index(json, "byteOffset", std::numeric_limits<std::uint32_t>::max()),
-               length = index(json, "byteLength", std::numeric_limits<std::uint32_t>::max()), given = index(json, "byteStride", 4096);
-    if (!buffer || *buffer < 0 || !start || !length || *length < 0 || !given)
-      return refuse(ErrorCode::structure, path("bufferViews", static_cast<std::size_t>(*which)),
-                    "The buffer, offset, length or stride is missing or out of range.");
+    const auto given = index(views[static_cast<std::size_t>(*which)], "byteStride", 4096);
+    std::span<const std::byte> bytes;
+    if (!bytes_of_view(static_cast<std::size_t>(*which), location, bytes)) return false;
+    if (!given)
+      return refuse(ErrorCode::structure, path("bufferViews", static_cast<std::size_t>(*which)), "The stride is out of range.");
     const std::size_t stride = *given > 0 ? static_cast<std::size_t>(*given) : size * components;
-    const std::vector<std::byte>& bytes = buffers_[static_cast<std::size_t>(*buffer)];
-    const std::size_t first = static_cast<std::size_t>(std::max(*start, 0L)) + offset;
-    const std::size_t end = offset + (count - 1) * stride + size * components;
-    if (end > static_cast<std::size_t>(*length) ||
-        static_cast<std::size_t>(std::max(*start, 0L)) + static_cast<std::size_t>(*length) > bytes.size())
+    if (offset + (count - 1) * stride + size * components > bytes.size())
       return refuse(ErrorCode::truncated, location, "The accessor extends beyond its buffer.",
                     "Copy the file again, together with the files to which it refers.");
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t c = 0; c < components; ++c)
-        out[i * components + c] = component(bytes.data() + first + i * stride + c * size, kind, norm);
+        out[i * components + c] = component(bytes.data() + offset + i * stride + c * size, kind, norm);
+    return true;
+  }
+
+  /// The description of how EXT_meshopt_compression packs a buffer view; null if the view is not packed.
+  static const Json* packing_of(const Json& view) {
+    const Json* extensions = member(view, "extensions");
+    return extensions != nullptr ? member(*extensions, "EXT_meshopt_compression") : nullptr;
+  }
+
+  /// Finds the bytes of buffer view `which`, unpacked. @param location JSON path for error messages
+  bool bytes_of_view(std::size_t which, const std::string& location, std::span<const std::byte>& out) {
+    const Json& view = list("bufferViews")[which];
+    const Json* packing = packing_of(view);
+    if (const auto found = unpacked_.find(which); packing != nullptr && found != unpacked_.end()) {
+      out = found->second;
+      return true;
+    }
+    const Json& json = packing != nullptr ? *packing : view;
+    const auto buffer = index(json, "buffer", buffers_.size()),
+               start = index(json, "byteOffset", std::numeric_limits<std::uint32_t>::max()),
+               length = index(json, "byteLength", std::numeric_limits<std::uint32_t>::max());
+    if (!buffer || *buffer < 0 || !start || !length || *length < 0)
+      return refuse(ErrorCode::structure, path("bufferViews", which), "The buffer, offset or length is missing or out of range.");
+    const std::vector<std::byte>& bytes = buffers_[static_cast<std::size_t>(*buffer)];
+    const auto first = static_cast<std::size_t>(std::max(*start, 0L)), size = static_cast<std::size_t>(*length);
+    if (first + size > bytes.size())
+      return refuse(ErrorCode::truncated, location, "The accessor extends beyond its buffer.",
+                    "Copy the file again, together with the files to which it refers.");
+    out = std::span(bytes).subspan(first, size);
+    return packing == nullptr || unpack(which, *packing, out);
+  }
+
+  /// Replaces the bytes of a packed buffer view by the unpacked bytes.
+  bool unpack(std::size_t which, const Json& packing, std::span<const std::byte>& bytes) {
+    const std::string location = path("bufferViews", which) + "/extensions/EXT_meshopt_compression";
+    const auto count = index(packing, "count", max_numbers), stride = index(packing, "byteStride", 257);
+    if (!count || *count < 0 || !stride || *stride < 4 || *stride % 4 != 0)
+      return refuse(ErrorCode::structure, location, "The count or stride is missing or out of range.");
+    const std::string mode = text(packing, "mode"), filter = text(packing, "filter");
+    if (mode != "ATTRIBUTES")
+      return refuse(ErrorCode::structure, location, "The mode is " + in_quotes(mode) + "; animations and skins need ATTRIBUTES.");
+    // The packed form has at least 2 bits for 16 bytes, so that damaged counts cannot make the memory large.
+    const auto n = static_cast<std::size_t>(*count), width = static_cast<std::size_t>(*stride);
+    if (n * width / 64 > bytes.size())
+      return refuse(ErrorCode::truncated, location, "The packed data are too short for " + std::to_string(n) + " elements.");
+    std::optional<std::vector<std::byte>> plain = unpack_(bytes, n, width, filter.empty() ? "NONE" : filter);
+    if (!plain || plain->size() != n * width) return refuse(ErrorCode::structure, location, "The packed data are damaged.");
+    bytes = unpacked_[which] = std::move(*plain);
     return true;
   }
 
@@ -456,11 +500,13 @@ class Parser {
 
   std::string_view name_;
   const GltfFiles& files_;
+  const GltfUnpack& unpack_;
   ReadNotes& notes_;
   Error error_;
   Json root_;
   std::span<const std::byte> binary_;
   std::vector<std::vector<std::byte>> buffers_;
+  std::map<std::size_t, std::vector<std::byte>> unpacked_;  ///< by index of the buffer view
   std::size_t read_ = 0;  ///< number of values read so far, over all accessors
   GltfDocument out_;
 };
@@ -468,8 +514,8 @@ class Parser {
 }  // namespace
 
 Result<GltfDocument> read_gltf_document(std::span<const std::byte> bytes, std::string_view file_name, const GltfFiles& files,
-                                        ReadNotes& notes) {
-  return Parser(file_name, files, notes).parse(bytes);
+                                        const GltfUnpack& unpack, ReadNotes& notes) {
+  return Parser(file_name, files, unpack, notes).parse(bytes);
 }
 
 }  // namespace ugoki::formats

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "ugoki/formats/gltf.h"
+#include "ugoki/formats/gltf_unpack.h"
 #include "ugoki/json/json.h"
 #include "ugoki/spatial/spatial.h"
 
@@ -58,8 +58,9 @@ struct GltfDocument {
 
 /// Parses and validates a .gltf or .glb file. Errors have the location "file:JSON path" or "file:chunk".
 /// @param files loads buffers in other files; may be null
+/// @param unpack unpacks buffer views of EXT_meshopt_compression; may be null
 /// @param notes receives remarks on extensions that are not supported
 [[nodiscard]] Result<GltfDocument> read_gltf_document(std::span<const std::byte> bytes, std::string_view file_name, const GltfFiles& files,
-                                                      ReadNotes& notes);
+                                                      const GltfUnpack& unpack, ReadNotes& notes);
 
 }  // namespace ugoki::formats

@@ -5,6 +5,7 @@
 #include "ugoki/base/number.h"
 #include "ugoki/formats/file_axes.h"
 #include "ugoki/formats/gltf_document.h"
+#include "ugoki/formats/gltf_unpack.h"
 #include "ugoki/formats/text.h"
 #include "ugoki/spatial/elementary.h"
 
@@ -376,12 +377,17 @@ class Reader {
 }  // namespace
 
 Result<std::vector<MeasuredMotion>> read_gltf(std::span<const std::byte> bytes, std::string_view file_name, const GltfOptions& options,
-                                              ReadNotes* notes) {
+                                              const GltfUnpack& unpack, ReadNotes* notes) {
   ReadNotes own;
   ReadNotes& collected = notes != nullptr ? *notes : own;
-  auto document = read_gltf_document(bytes, file_name, options.files, collected);
+  auto document = read_gltf_document(bytes, file_name, options.files, unpack, collected);
   if (!document) return fail(std::move(document.error()));
   return Reader(std::move(*document), file_name, options, collected).read();
+}
+
+Result<std::vector<MeasuredMotion>> read_gltf(std::span<const std::byte> bytes, std::string_view file_name, const GltfOptions& options,
+                                              ReadNotes* notes) {
+  return read_gltf(bytes, file_name, options, {}, notes);
 }
 
 }  // namespace ugoki::formats

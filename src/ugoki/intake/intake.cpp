@@ -9,7 +9,7 @@
 #include "ugoki/formats/bvh.h"
 #include "ugoki/formats/c3d.h"
 #include "ugoki/formats/csv.h"
-#include "ugoki/formats/gltf.h"
+#include "ugoki/formats/gltf_unpack.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/formats/trc.h"
@@ -18,6 +18,7 @@
 #include "ugoki/intake/choice.h"
 #include "ugoki/intake/support.h"
 #include "ugoki/robot_formats/robot_file.h"
+#include "ugoki/scene_formats/meshopt.h"
 #include "ugoki/scene_formats/mvnx.h"
 #include "ugoki/scene_formats/scene_file.h"
 #include "ugoki/scene_formats/smpl.h"
@@ -420,7 +421,8 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
     case FileKind::gltf: {
       const std::span raw(bytes.data(), bytes.size());
       Result<std::vector<MeasuredMotion>> motions =
-          formats::read_gltf(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit, .files = options.files}, &notes);
+          formats::read_gltf(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit, .files = options.files},
+                             scene_formats::unpack_meshopt, &notes);
       if (!motions) return fail(std::move(motions.error()));
       return from_measured(std::move(*motions), std::move(notes), file_name, options);
     }

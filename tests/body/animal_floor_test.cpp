@@ -1,0 +1,99 @@
+// Tests of the floor under four-legged animals that stand for a part of the motion only.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "ugoki/body/body.h"
+#include "ugoki/body/creature.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/motion/contact_labels.h"
+#include "ugoki/spatial/elementary.h"
+
+namespace ugoki::body {
+namespace {
+
+constexpr int standing_frames = 60, lying_frames = 60;
+
+/// A dog with legs of 0.46 m that stands and then lies with folded legs. While it lies, its trunk is `sunk` m below the level of the paws, as
+/// in recordings whose joints are too low.
+MeasuredMotion lying_dog(double sunk) {
+  MeasuredMotion m;
+  m.name = "dog";
+  m.rate = 30;
+  m.frames = standing_frames + lying_frames;
+  const auto add = [&](const char* name, int parent, Vec3 offset, Vec3 end = {}) {
+    SkeletonJoint joint;
+    joint.name = name;
+    joint.parent = parent;
+    joint.offset = offset;
+    joint.dofs = {{{0, 0, 1}}, {{0, 1, 0}}, {{1, 0, 0}}};
+    joint.translates = parent < 0;
+    if (norm(end) > 0) joint.end_sites = {end};
+    m.skeleton.joints.push_back(std::move(joint));
+    return static_cast<int>(m.skeleton.joints.size()) - 1;
+  };
+  const int hips = add("Hips", -1, {0, 0, 0.46}), spine = add("Spine", hips, {0.2, 0, 0}), chest = add("Chest", spine, {0.2, 0, 0});
+  const int neck = add("Neck", chest, {0.12, 0, 0.1});
+  add("Head", neck, {0.1, 0, 0.1}, {0.15, 0, 0});
+  add("Tail", hips, {-0.1, 0, 0}, {-0.2, 0, 0});
+  std::vector<int> upper, lower;
+  for (const auto& [from, name] : {std::pair(hips, "Back"), {chest, "Front"}})
+    for (const auto& [side, y] : {std::pair(".L", 0.07), {".R", -0.07}}) {
+      upper.push_back(add((std::string(name) + "UpperLeg" + side).c_str(), from, {0, y, 0}));
+      lower.push_back(add((std::string(name) + "LowerLeg" + side).c_str(), upper.back(), {0, 0, -0.23}));
+      add((std::string(name) + "Paw" + side).c_str(), lower.back(), {0, 0, -0.2}, {0.06, 0, -0.03});
+    }
+  for (int f = 0; f < m.frames; ++f) {
+    const bool lies = f >= standing_frames;
+    for (std::size_t i = 0; i < m.skeleton.joints.size(); ++i) {
+      const int joint = static_cast<int>(i);
+      m.translations.push_back(joint == hips && lies ? Vec3{0, 0, -sunk} : m.skeleton.joints[i].offset);
+      Quat turn;
+      const double sway = 0.03 * ugoki::sin(0.3 * f);
+      if (std::ranges::count(upper, joint) > 0) turn = axis_angle({0, 1, 0}, lies ? -0.5 * pi : sway);
+      if (std::ranges::count(lower, joint) > 0) turn = axis_angle({0, 1, 0}, lies ? 0.98 * pi : -2 * sway);
+      m.rotations.push_back(turn);
+    }
+  }
+  return m;
+}
+
+/// Heights [m] of the lowest point in all frames of the motion on the floor.
+std::vector<double> lowest_points(const Body& body, const Motion& motion) {
+  std::vector<double> lows;
+  std::vector<Pose> X(static_cast<std::size_t>(body.mechanism->link_count()));
+  for (int f = 0; f < motion.frames; ++f) {
+    calc_poses(*body.mechanism, {motion.frame(f), static_cast<std::size_t>(motion.nq)}, X);
+    double low = 1e300;
+    for (std::size_t i = 0; i < X.size(); ++i)
+      for (const SupportPoint& p : support_points(body.mechanism->link(static_cast<int>(i)))) low = std::min(low, (X[i] * p.p).z - p.radius);
+    lows.push_back(low);
+  }
+  return lows;
+}
+
+TEST(AnimalFloor, IsTheLevelOfThePawsOfTheStandingAnimal) {
+  for (const double sunk : {-0.1, 0.03}) {
+    const MeasuredMotion dog = lying_dog(sunk);
+    const auto body = make_body(dog);
+    ASSERT_TRUE(body) << body.error().text();
+    ASSERT_EQ(body->anatomy.plan, "four legs");
+    const std::vector<double> lows = lowest_points(*body, to_motion(*body, dog));
+    double highest = -1;
+    for (int f = 0; f < standing_frames; ++f) highest = std::max(highest, lows[static_cast<std::size_t>(f)]);
+    EXPECT_LT(highest, 0.02) << "a paw must touch the floor in every frame; sunk by " << sunk;
+    EXPECT_GT(*std::ranges::min_element(lows.begin(), lows.begin() + standing_frames), -0.02);
+  }
+}
+
+TEST(AnimalFloor, AnAnimalThatHardlyStandsCountsInAllFrames) {
+  std::vector<double> heights(100, 0.1);
+  std::fill_n(heights.begin(), 20, 0.5);
+  EXPECT_EQ(std::ranges::count(usually_stands(heights), 1), 20);
+  std::fill_n(heights.begin() + 5, 15, 0.1);  // the usual height is then that of lying
+  EXPECT_EQ(std::ranges::count(usually_stands(heights), 1), 100);
+  EXPECT_EQ(usually_stands(std::vector<double>(7, 0.3)), std::vector<char>(7, 1));
+}
+
+}  // namespace
+}  // namespace ugoki::body
