@@ -7,6 +7,7 @@
 #include "motion_files.h"
 #include "output.h"
 #include "output_files.h"
+#include "simulate.h"
 #include "ugoki/base/number.h"
 #include "verb.h"
 
