@@ -7,6 +7,7 @@
 
 #include "../body/measured_files.h"
 #include "ugoki/body/body.h"
+#include "ugoki/intake/scale.h"
 #include "ugoki/intake/support.h"
 #include "ugoki/samples/samples.h"
 #include "ugoki/spatial/elementary.h"
@@ -246,6 +247,52 @@ TEST(Arrange, FeetBesideTheBodyAreAttachedToTheirShanks) {
     }
     if (lost == 0) EXPECT_LT(max_distance(before, odd), 1e-9);
   }
+}
+
+TEST(Arrange, ForeLimbsAtTheJointOfTheHindLimbsAreAttachedToTheSpine) {
+  // A horse whose legs, rump and body are children of one joint.
+  MeasuredMotion horse;
+  horse.rate = 30;
+  horse.frames = 40;
+  const auto add = [&](const std::string& name, const char* parent, Vec3 offset, Vec3 end = {}) {
+    SkeletonJoint joint;
+    joint.name = name;
+    joint.parent = find(horse, parent);
+    joint.offset = offset;
+    joint.translates = joint.parent < 0;
+    if (norm(end) > 0) joint.end_sites = {end};
+    horse.skeleton.joints.push_back(std::move(joint));
+  };
+  add("Hub", "", {0, 0, 1.2});
+  add("Rump", "Hub", {-0.4, 0, 0.1});
+  add("Tail", "Rump", {-0.2, 0, 0}, {-0.3, 0, -0.3});
+  for (const auto& [name, x] : {std::pair<std::string, double>("Front", 0.5), {"Back", -0.4}})
+    for (const auto& [side, y] : {std::pair<std::string, double>("L_", 0.15), {"R_", -0.15}}) {
+      const std::string upper = side + name + "Leg_Upper", lower = side + name + "Leg_Lower", hoof = side + name + "Hoof";
+      add(upper, "Hub", {x, y, 0});
+      add(lower, upper.c_str(), {0, 0, -0.55});
+      add(hoof, lower.c_str(), {0, 0, -0.55}, {0.1, 0, -0.05});
+    }
+  add("Body01", "Hub", {0.3, 0, 0.1});
+  add("Neck", "Body01", {0.3, 0, 0.1});
+  add("Head", "Neck", {0.3, 0, 0.4}, {0.3, 0, -0.2});
+  for (int f = 0; f < horse.frames; ++f)
+    for (const SkeletonJoint& j : horse.skeleton.joints) {
+      horse.translations.push_back(j.offset);
+      horse.rotations.push_back(axis_angle({0, 1, 0}, j.name.ends_with("Upper") ? 0.2 * ugoki::sin(0.3 * f) : 0.0));
+    }
+  ASSERT_EQ(body::recognise_character(horse).plan, body::BodyPlan::other) << "one joint carries all limbs";
+  const MeasuredMotion before = horse;
+  std::vector<std::string> report;
+  const body::Character character = arrange(std::span(&horse, 1), report);
+  ASSERT_EQ(character.plan, body::BodyPlan::four_legs) << character.why_not;
+  EXPECT_EQ(horse.skeleton.joints[static_cast<std::size_t>(character.arms[0].proximal)].name, "L_FrontLeg_Upper");
+  EXPECT_EQ(horse.skeleton.joints[static_cast<std::size_t>(character.legs[1].proximal)].name, "R_BackLeg_Upper");
+  const int fore = find(horse, "R_FrontLeg_Upper");
+  EXPECT_EQ(horse.skeleton.joints[static_cast<std::size_t>(horse.skeleton.joints[static_cast<std::size_t>(fore)].parent)].name, "Body01");
+  EXPECT_LT(max_distance(before, horse), 1e-9);
+  ASSERT_FALSE(report.empty());
+  EXPECT_NE(report[0].find("L_FrontLeg_Upper"), std::string::npos) << report[0];
 }
 
 TEST(Arrange, TargetsOfInverseKinematicsAtAJointAreLeftOut) {

@@ -3,11 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
 #include "../body/measured_files.h"
 #include "ugoki/body/recognise.h"
 #include "ugoki/formats/bvh.h"
+#include "ugoki/formats/gltf.h"
 #include "ugoki/intake/intake.h"
 #include "ugoki/intake/mapping_file.h"
+#include "ugoki/spatial/elementary.h"
 
 namespace ugoki::intake {
 namespace {
@@ -105,6 +111,104 @@ TEST(MappingFile, DamagedFilesAreRefusedAtTheirField) {
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().problems.size(), 2u) << wrong.error().text();
   EXPECT_TRUE(wrong.error().problems[0].location.starts_with("m.json:limbs/0")) << wrong.error().text();
+}
+
+/// Parts of a GLB file.
+struct Glb {
+  nlohmann::json json;
+  std::vector<std::byte> data;
+};
+Glb split(const std::vector<std::byte>& bytes) {
+  std::uint32_t length = 0, size = 0;
+  std::memcpy(&length, bytes.data() + 12, 4);
+  std::memcpy(&size, bytes.data() + 20 + length, 4);
+  const auto* text = reinterpret_cast<const char*>(bytes.data()) + 20;
+  const auto data = bytes.begin() + 28 + length;
+  return {nlohmann::json::parse(text, text + length), {data, data + size}};
+}
+/// A GLB file with all animations of files with the same skeleton.
+std::string with_all_takes(const std::vector<std::vector<std::byte>>& files) {
+  Glb all = split(files[0]);
+  for (std::size_t k = 1; k < files.size(); ++k) {
+    Glb next = split(files[k]);
+    const std::size_t views = all.json["bufferViews"].size(), accessors = all.json["accessors"].size(), start = all.data.size();
+    for (auto& view : next.json["bufferViews"]) {
+      view["byteOffset"] = view.value("byteOffset", std::size_t{0}) + start;
+      all.json["bufferViews"].push_back(view);
+    }
+    for (auto& accessor : next.json["accessors"]) {
+      accessor["bufferView"] = accessor["bufferView"].get<std::size_t>() + views;
+      all.json["accessors"].push_back(accessor);
+    }
+    for (auto& animation : next.json["animations"]) {
+      for (auto& sampler : animation["samplers"])
+        for (const char* end : {"input", "output"}) sampler[end] = sampler[end].get<std::size_t>() + accessors;
+      all.json["animations"].push_back(animation);
+    }
+    all.data.insert(all.data.end(), next.data.begin(), next.data.end());
+    all.data.resize((all.data.size() + 3) / 4 * 4);
+  }
+  all.json["buffers"][0]["byteLength"] = all.data.size();
+  std::string text = all.json.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  std::string glb;
+  const auto word = [&](std::size_t value) {
+    const auto v = static_cast<std::uint32_t>(value);
+    char b[4];
+    std::memcpy(b, &v, 4);
+    glb.append(b, 4);
+  };
+  word(0x46546C67), word(2), word(28 + text.size() + all.data.size());
+  word(text.size()), word(0x4E4F534A);
+  glb += text;
+  word(all.data.size()), word(0x004E4942);
+  glb.append(reinterpret_cast<const char*>(all.data.data()), all.data.size());
+  return glb;
+}
+
+/// A standing dog that sways for `frames` frames. @param fly m, way that the shanks move away from their thighs in a frame
+MeasuredMotion swaying_dog(int frames, double fly) {
+  MeasuredMotion m;
+  m.name = "dog";
+  m.rate = 30;
+  m.frames = frames;
+  const auto add = [&](const std::string& name, int parent, Vec3 offset, Vec3 end = {}) {
+    SkeletonJoint joint;
+    joint.name = name;
+    joint.parent = parent;
+    joint.offset = offset;
+    joint.dofs = {{{0, 0, 1}}, {{0, 1, 0}}, {{1, 0, 0}}};
+    joint.translates = true;
+    if (norm(end) > 0) joint.end_sites = {end};
+    m.skeleton.joints.push_back(std::move(joint));
+    return static_cast<int>(m.skeleton.joints.size()) - 1;
+  };
+  const int hips = add("Hips", -1, {0, 0, 0.46}), spine = add("Spine", hips, {0.2, 0, 0}), chest = add("Chest", spine, {0.2, 0, 0});
+  const int neck = add("Neck", chest, {0.12, 0, 0.1}), tail = add("Tail", hips, {-0.1, 0, 0});
+  add("Head", neck, {0.1, 0, 0.1});
+  add("TailTip", tail, {-0.2, 0, 0});
+  for (const auto& [from, name] : {std::pair(hips, std::string("Back")), {chest, "Front"}})
+    for (const auto& [side, y] : {std::pair(std::string(".L"), 0.07), {".R", -0.07}})
+      add(name + "Paw" + side, add(name + "LowerLeg" + side, add(name + "UpperLeg" + side, from, {0, y, 0}), {0, 0, -0.23}), {0, 0, -0.2});
+  for (int f = 0; f < m.frames; ++f)
+    for (const SkeletonJoint& j : m.skeleton.joints) {
+      const bool shank = j.name.find("LowerLeg") != std::string::npos;
+      m.translations.push_back(j.offset + Vec3{0, 0, shank ? fly * f : 0.0});
+      m.rotations.push_back(axis_angle({0, 1, 0}, j.name.find("Leg") != std::string::npos ? 0.05 * ugoki::sin(0.3 * f) : 0.0));
+    }
+  return m;
+}
+
+TEST(Takes, AnAnimalThatOtherTakesHideIsRecognisedInTheLongest) {
+  // In a cartoon take the shanks fly away from the body.
+  const std::vector<std::byte> cartoon = formats::write_glb(swaying_dog(60, 0.1));
+  const auto alone = take_in(with_all_takes({cartoon}), "cartoon.glb");
+  ASSERT_TRUE(alone) << alone.error().text();
+  ASSERT_NE(alone->body->anatomy.plan, "four legs");
+  const auto in = take_in(with_all_takes({formats::write_glb(swaying_dog(90, 0)), cartoon}), "takes.glb");
+  ASSERT_TRUE(in) << in.error().text();
+  EXPECT_EQ(in->body->anatomy.plan, "four legs");
+  EXPECT_TRUE(std::ranges::any_of(in->report, [](const std::string& s) { return s.find("longest motion") != std::string::npos; }));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include "ugoki/content/circuit_edit.h"
 #include "ugoki/content/default_circuit.h"
 #include "ugoki/content/layer_commands.h"
-#include "ugoki/content/poses.h"
+#include "ugoki/content/list_commands.h"
 #include "ugoki/content/scenario_json.h"
 
 namespace ugoki::content {
@@ -57,16 +57,16 @@ class Work {
                                                     {"rule.set", &Work::rule_set},
                                                     {"rule.move", &Work::rule_move},
                                                     {"rule.remove", &Work::rule_remove},
-                                                    {"pose.add", &Work::pose_add},
-                                                    {"pose.set", &Work::pose_set},
-                                                    {"pose.remove", &Work::pose_remove},
+                                                    {"pose.add", &Work::add_item<add_pose>},
+                                                    {"pose.set", &Work::on_document<set_pose>},
+                                                    {"pose.remove", &Work::on_document<remove_pose>},
                                                     {"track.move", &Work::track_move},
-                                                    {"camera.add", &Work::camera_add},
-                                                    {"camera.set", &Work::camera_set},
-                                                    {"camera.remove", &Work::camera_remove},
-                                                    {"shot.add", &Work::shot_add},
-                                                    {"shot.set", &Work::shot_set},
-                                                    {"shot.remove", &Work::shot_remove},
+                                                    {"camera.add", &Work::add_item<add_camera>},
+                                                    {"camera.set", &Work::on_document<set_camera>},
+                                                    {"camera.remove", &Work::on_document<remove_camera>},
+                                                    {"shot.add", &Work::add_item<add_shot>},
+                                                    {"shot.set", &Work::on_document<set_shot>},
+                                                    {"shot.remove", &Work::on_document<remove_shot>},
                                                     {"scenario.set", &Work::scenario_set},
                                                     {"circuit.set", &Work::circuit_set},
                                                     {"circuit.edit", &Work::circuit_edit},
@@ -231,6 +231,14 @@ class Work {
   std::string on_clip(Fields& f) {
     const auto [c, i] = clip_in(f, "clip");
     return c ? change(f, c->track[i]) : std::string();
+  }
+  template <std::string (*change)(Fields&, Scenario&)>
+  std::string on_document(Fields& f) {
+    return change(f, document());
+  }
+  template <std::string (*add)(Fields&, Scenario&, const AssignId&)>
+  std::string add_item(Fields& f) {
+    return add(f, document(), [this](std::string& id, char letter) { assign_id(id, letter); });
   }
   std::string layer_add(Fields& f) {
     const auto [c, i] = clip_in(f, "clip");
@@ -432,75 +440,6 @@ class Work {
     return "Remove rule";
   }
 
-  std::vector<ScenarioPose>::iterator pose_in(Fields& f) {
-    std::vector<ScenarioPose>& poses = document().poses;
-    std::string id;
-    f.require("id", "the pose's id");
-    f.text("id", id);
-    if (!problems_.empty()) return poses.end();
-    const auto found = std::find_if(poses.begin(), poses.end(), [&](const ScenarioPose& p) { return p.id == id; });
-    if (found == poses.end()) report_missing(f, "id", "pose", id);
-    return found;
-  }
-  void read_pose_in(Fields& f, ScenarioPose& pose) {
-    f.require("pose", "an object with the fields of the pose");
-    if (const Json* object = f.find("pose")) {
-      Fields g(*object, f.path("pose"), problems_);
-      read_pose(g, pose);
-      g.refuse_others();
-    }
-  }
-
-  /// The camera or shot that the field `id` names; null and a problem if it does not exist.
-  template <class Item>
-  Item* film_item(Fields& f, std::vector<Item>& list, std::string_view kind) {
-    std::string id;
-    f.require("id", "the " + std::string(kind) + "'s id");
-    f.text("id", id);
-    if (!problems_.empty()) return nullptr;
-    const auto found = std::find_if(list.begin(), list.end(), [&](const Item& item) { return item.id == id; });
-    if (found != list.end()) return &*found;
-    report_missing(f, "id", kind, id);
-    return nullptr;
-  }
-  /// Reads the object in the field `kind` into a camera or shot.
-  template <class Item>
-  void read_film_item(Fields& f, std::string_view kind, void (*read)(Fields&, Item&), Item& item) {
-    f.require(kind, "an object with the fields of the " + std::string(kind));
-    if (const Json* object = f.find(kind)) {
-      Fields g(*object, f.path(kind), problems_);
-      read(g, item);
-      g.refuse_others();
-    }
-  }
-
-  std::string pose_add(Fields& f) {
-    ScenarioPose pose;
-    read_pose_in(f, pose);
-    int at = static_cast<int>(document().poses.size());
-    f.integer("at", at);
-    if (!problems_.empty()) return {};
-    assign_id(pose.id, 'p');
-    if (pose.name.empty()) pose.name = "Pose " + std::to_string(document().poses.size() + 1);
-    document().poses.insert(document().poses.begin() + std::clamp(at, 0, static_cast<int>(document().poses.size())), std::move(pose));
-    return "Store pose";
-  }
-
-  std::string pose_set(Fields& f) {
-    const auto pose = pose_in(f);
-    if (pose == document().poses.end()) return {};
-    const ScenarioPose before = *pose;
-    read_pose_in(f, *pose);
-    pose->id = before.id;
-    return pose->joints != before.joints ? "Replace stored pose" : "Rename pose";
-  }
-
-  std::string pose_remove(Fields& f) {
-    const auto pose = pose_in(f);
-    if (pose != document().poses.end()) document().poses.erase(pose);
-    return "Remove pose";
-  }
-
   /// Changes the place of a character's track in the timeline. The order of the characters themselves, on which the bits of a simulation
   /// depend, stays as it is.
   std::string track_move(Fields& f) {
@@ -516,54 +455,6 @@ class Work {
     order.insert(order.begin() + std::clamp(at, 0, static_cast<int>(order.size())), c->id);
     document().track_order = std::move(order);
     return "Move track";
-  }
-
-  std::string camera_add(Fields& f) {
-    FilmCamera camera;
-    read_film_item(f, "camera", read_camera, camera);
-    if (!problems_.empty()) return {};
-    assign_id(camera.id, 'v');
-    if (camera.name.empty()) camera.name = "Camera " + std::to_string(document().cameras.size() + 1);
-    document().cameras.push_back(std::move(camera));
-    return "Add camera";
-  }
-  std::string camera_set(Fields& f) {
-    FilmCamera* camera = film_item(f, document().cameras, "camera");
-    if (!camera) return {};
-    const FilmCamera before = *camera;
-    read_film_item(f, "camera", read_camera, *camera);
-    camera->id = before.id;
-    if (camera->name != before.name) return "Rename camera";
-    if (camera->keys.size() > before.keys.size()) return "Key camera";
-    if (camera->keys.size() < before.keys.size()) return "Remove camera key";
-    return camera->follow != before.follow ? "Set followed character" : "Move camera";
-  }
-  /// Removes the camera together with its shots.
-  std::string camera_remove(Fields& f) {
-    if (const FilmCamera* camera = film_item(f, document().cameras, "camera")) remove_camera(document(), std::string(camera->id));
-    return "Remove camera";
-  }
-  std::string shot_add(Fields& f) {
-    FilmShot shot;
-    read_film_item(f, "shot", read_shot, shot);
-    if (!problems_.empty()) return {};
-    assign_id(shot.id, 'h');
-    document().shots.push_back(std::move(shot));
-    return "Add shot";
-  }
-  std::string shot_set(Fields& f) {
-    FilmShot* shot = film_item(f, document().shots, "shot");
-    if (!shot) return {};
-    const FilmShot before = *shot;
-    read_film_item(f, "shot", read_shot, *shot);
-    shot->id = before.id;
-    if (shot->camera != before.camera) return "Change camera of shot";
-    return shot->length != before.length ? "Trim shot" : "Move shot";
-  }
-  std::string shot_remove(Fields& f) {
-    if (const FilmShot* shot = film_item(f, document().shots, "shot"))
-      std::erase_if(document().shots, [id = std::string(shot->id)](const FilmShot& x) { return x.id == id; });
-    return "Remove shot";
   }
 
   std::string scenario_set(Fields& f) {

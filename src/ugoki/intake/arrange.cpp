@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "ugoki/base/number.h"
+#include "ugoki/body/joint_names.h"
+#include "ugoki/body/limb_geometry.h"
 #include "ugoki/intake/conversion_report.h"
 #include "ugoki/intake/correction.h"
 
@@ -32,13 +34,13 @@ void set_world(MeasuredMotion& m, const std::vector<std::vector<Pose>>& world) {
     }
 }
 
+}  // namespace
+
 std::vector<std::vector<Pose>> world_of(const MeasuredMotion& m) {
   std::vector<std::vector<Pose>> world(at(m.frames));
   for (int f = 0; f < m.frames; ++f) m.calc_joint_poses(f, world[at(f)]);
   return world;
 }
-
-}  // namespace
 
 void keep_joints(MeasuredMotion& m, std::span<const char> keep) {
   const std::size_t n = m.skeleton.joints.size();
@@ -212,12 +214,69 @@ double quantile(const std::vector<double>& sorted, double share) {
   return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
 }
 
+/// Gives joints a new parent, where new_parent[joint] is not -1. World poses do not change. All parents change at once, because poses can
+/// be computed only while parents precede their children.
+void reparent(std::span<MeasuredMotion> motions, std::span<const int> new_parent) {
+  for (MeasuredMotion& m : motions) {
+    const std::vector<std::vector<Pose>> world = world_of(m);
+    const std::vector<Vec3> rest = rest_positions(m.skeleton);
+    for (std::size_t i = 0; i < new_parent.size(); ++i) {
+      if (new_parent[i] < 0) continue;
+      m.skeleton.joints[i].translates = true;
+      m.skeleton.joints[i].parent = new_parent[i];
+      m.skeleton.joints[i].offset = rest[i] - rest[at(new_parent[i])];
+    }
+    set_world(m, world);
+    sort_parents_first(m);
+  }
+}
+
 }  // namespace
+
+std::vector<std::string> attach_fore_limbs_to_spine(std::span<MeasuredMotion> motions) {
+  constexpr double rigid = 0.05;  // share of the skeleton's extent; the body holds a limb's root at its mean place, so this is its error
+  std::vector<std::string> names;
+  const Skeleton& s = motions[0].skeleton;
+  const std::size_t n = s.joints.size();
+  const std::vector<std::vector<Pose>> samples = sample_poses(motions);
+  if (samples.empty()) return names;
+  std::vector<std::string> joint_names;
+  for (const SkeletonJoint& j : s.joints) joint_names.push_back(j.name);
+  const std::vector<body::NameEvidence> evidence = body::read_joint_names(joint_names);
+  std::vector<int> new_parent(n, -1);
+  for (std::size_t hub = 0; hub < n; ++hub) {
+    std::vector<std::size_t> fore, hind;
+    int spine = -1;  // child of the hub that carries neck and head, but is neither
+    for (std::size_t i = 0; i < n; ++i) {
+      if (s.joints[i].parent != static_cast<int>(hub) || evidence[i].helper) continue;
+      const body::Part part = evidence[i].part;
+      bool carries_head = false;
+      for (std::size_t k = 0; k < n; ++k)
+        carries_head = carries_head || (evidence[k].part == body::Part::head && is_below(s, static_cast<int>(k), static_cast<int>(i)));
+      if (carries_head) {
+        if (part != body::Part::head && part != body::Part::neck) spine = static_cast<int>(i);
+      } else if (evidence[i].fore || body::is_arm(part)) {
+        fore.push_back(i);
+      } else if (evidence[i].hind || body::is_leg(part)) {
+        hind.push_back(i);
+      }
+    }
+    if (fore.size() < 2 || hind.size() < 2 || spine < 0) continue;
+    const double limit = rigid * extent_of(samples[0]);
+    if (!std::ranges::all_of(fore, [&](std::size_t i) { return quantile(deviations(samples, i, at(spine)), 0.8) < limit; })) continue;
+    for (const std::size_t i : fore) {
+      new_parent[i] = spine;
+      names.push_back(s.joints[i].name);
+    }
+  }
+  if (!names.empty()) reparent(motions, new_parent);
+  return names;
+}
 
 std::vector<std::string> attach_to_rigid_joints(std::span<MeasuredMotion> motions) {
   // Lengths are shares of the skeleton's extent. Baked inverse kinematics leaves errors below 1 % except where a limb cannot reach its
   // target. In animations of games a limb does not reach its target in up to 15 % of the frames (jumps, rolls).
-  constexpr double min_shift = 0.05, rigid = 0.01, reached = 0.8, loose = 0.1, mostly = 0.95, same_place = 0.02;
+  constexpr double min_shift = 0.05, rigid = 0.01, reached = 0.8, loose = 0.1, mostly = 0.95, same_place = 0.02, longest = 0.35;
   std::vector<std::string> names;
   const std::size_t n = motions[0].skeleton.joints.size();
   const std::vector<std::vector<Pose>> samples = sample_poses(motions);
@@ -226,7 +285,9 @@ std::vector<std::string> attach_to_rigid_joints(std::span<MeasuredMotion> motion
   const Skeleton& s = motions[0].skeleton;
   const std::vector<int> below = descendants(s);
   const std::size_t main_root = at(static_cast<int>(std::ranges::max_element(below) - below.begin()));
-  const auto stays = [&](const std::vector<double>& d) { return quantile(d, reached) < rigid * extent && quantile(d, mostly) < loose * extent; };
+  const auto stays = [&](const std::vector<double>& d) {
+    return quantile(d, reached) < rigid * extent && quantile(d, mostly) < loose * extent;
+  };
   std::vector<int> new_parent(n, -1);
   const auto is_below_now = [&](std::size_t joint, std::size_t ancestor) {
     for (int k = static_cast<int>(joint); k >= 0; k = new_parent[at(k)] >= 0 ? new_parent[at(k)] : s.joints[at(k)].parent)
@@ -245,8 +306,14 @@ std::vector<std::string> attach_to_rigid_joints(std::span<MeasuredMotion> motion
     const std::vector<double> d = parent < 0 ? std::vector<double>{} : deviations(samples, i, at(parent));
     shifts[i] = parent < 0 || (d.back() >= min_shift * extent && !stays(d)) ? 1 : 0;
   }
+  // Another character that moves in the same way is no foot.
+  const auto is_small = [&](std::size_t i) {
+    for (std::size_t k = 0; k < n; ++k)
+      if (is_below(s, static_cast<int>(k), static_cast<int>(i)) && norm(samples[0][k].p - samples[0][i].p) > longest * extent) return false;
+    return true;
+  };
   for (std::size_t i = 0; i < n; ++i) {
-    if (shifts[i] == 0) continue;
+    if (shifts[i] == 0 || !is_small(i)) continue;
     std::size_t best = n;
     double smallest = rigid * extent;
     bool follows = false;
@@ -257,7 +324,7 @@ std::vector<std::string> attach_to_rigid_joints(std::span<MeasuredMotion> motion
       if (norm(samples[0][a].p - samples[0][i].p) < same_place * extent) {
         // A joint at the same place is no end of a bone. If it carries other joints, joint i is its target or control.
         follows = below[a] > 0 || below[i] == 0;
-      } else if (is_end[a] != 0 && quantile(d, reached) < smallest) {
+      } else if (is_end[a] != 0 && norm(samples[0][a].p - samples[0][i].p) < longest * extent && quantile(d, reached) < smallest) {
         smallest = quantile(d, reached);
         best = a;
       }
@@ -268,19 +335,7 @@ std::vector<std::string> attach_to_rigid_joints(std::span<MeasuredMotion> motion
     new_parent[i] = static_cast<int>(best);
   }
   if (names.empty()) return names;
-  // All parents change at once, because poses can be computed only while parents precede their children.
-  for (MeasuredMotion& m : motions) {
-    const std::vector<std::vector<Pose>> world = world_of(m);
-    const std::vector<Vec3> rest = rest_positions(m.skeleton);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (new_parent[i] < 0) continue;
-      m.skeleton.joints[i].translates = true;
-      m.skeleton.joints[i].parent = new_parent[i];
-      m.skeleton.joints[i].offset = rest[i] - rest[at(new_parent[i])];
-    }
-    set_world(m, world);
-    sort_parents_first(m);
-  }
+  reparent(motions, new_parent);
   return names;
 }
 
@@ -461,6 +516,16 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
             list_of(joints) + ".");
       }
   }
+  if (character.plan == body::BodyPlan::other) {
+    std::vector<MeasuredMotion> attached(motions.begin(), motions.end());
+    attach_to_rigid_joints(attached);
+    if (const std::vector<std::string> joints = attach_fore_limbs_to_spine(attached); !joints.empty())
+      if (body::Character better = body::recognise_character(attached[index], mapping); better.plan != body::BodyPlan::other) {
+        std::ranges::move(attached, motions.begin());
+        character = std::move(better);
+        report.push_back("Fore limbs at the same joint as the hind limbs were attached to the spine: " + list_of(joints) + ".");
+      }
+  }
   if (character.plan == body::BodyPlan::other && character.pelvis >= 0 && character.chest >= 0) {
     // Legs and arms were found, but the root is between or beyond them. The joint that carries the legs becomes the root.
     std::vector<MeasuredMotion> turned(motions.begin(), motions.end());
@@ -513,128 +578,6 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
                      root_name + ".");
   if (!strangers.empty()) report.push_back("Joints that are not part of the character were left out: " + list_of(strangers) + ".");
   return body::recognise_character(*longest, mapping);
-}
-
-std::optional<Vec3> up_by_posture(const body::Character& character) {
-  if (character.plan != body::BodyPlan::human) return std::nullopt;
-  const Vec3 u = character.up;
-  int axis = 0;
-  for (int k = 1; k < 3; ++k)
-    if (std::fabs(u[k]) > std::fabs(u[axis])) axis = k;
-  if (std::fabs(u[axis]) < 0.8 || u.z > 0.5 || (axis == 2 && u.z > 0)) return std::nullopt;
-  Vec3 up{};
-  up[axis] = u[axis] > 0 ? 1 : -1;
-  return up;
-}
-
-std::optional<double> unit_by_height(const body::Character& character, double metres_per_unit, bool trusted) {
-  if (character.plan != body::BodyPlan::human || !(character.leg_length > 0)) return std::nullopt;
-  const double height = character.leg_length / 0.491;
-  if (trusted ? height > 0.55 && height < 2.8 : height > 1.25 && height < 2.15) return std::nullopt;
-  // Units that motion files use: m, dm, cm, mm, inch, foot, and the inch of the CMU skeletons divided by their scale of 0.45.
-  double best = 0, smallest = 1e300;
-  for (const double unit : {1.0, 0.1, 0.01, 0.001, 0.0254, 0.3048, 0.0254 / 0.45}) {
-    const double away = std::fabs(std::log(height / metres_per_unit * unit / 1.7));
-    if (away < smallest) {
-      smallest = away;
-      best = unit;
-    }
-  }
-  // If no usual unit gives a usual height, the character gets a height of 1.7 m. 0.22: a usual height is 1.7 m within a factor of 1.25.
-  if (smallest > 0.22) return metres_per_unit * 1.7 / height;
-  if (std::fabs(std::log(height / 1.7)) <= smallest + 1e-9) return std::nullopt;
-  return best;
-}
-
-/// Downward acceleration [m/s^2] of the trunk that is exceeded in 2 % of the frames; 0 if the motions are too short to measure it.
-double fall_of_trunk(const body::Character& character, std::span<const MeasuredMotion> motions) {
-  std::vector<double> falls;
-  for (const MeasuredMotion& m : motions) {
-    const int span = std::max(1, static_cast<int>(std::lround(0.04 * m.rate)));  // differences over shorter times measure noise
-    if (m.frames < 2 * span + 10) continue;
-    std::vector<double> heights;
-    for (const auto& X : world_of(m)) {
-      double z = 0;
-      for (const auto* limbs : {&character.legs, &character.arms})
-        for (const body::Limb& l : *limbs) z += 0.25 * X[at(l.proximal)].p.z;
-      heights.push_back(z);
-    }
-    const double time = span / m.rate;
-    for (int f = span; f + span < m.frames; ++f)
-      falls.push_back((2 * heights[at(f)] - heights[at(f - span)] - heights[at(f + span)]) / (time * time));
-  }
-  if (falls.size() < 20) return 0;
-  const auto k = falls.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(falls.size() - 1));
-  std::nth_element(falls.begin(), k, falls.end());
-  return *k;
-}
-
-std::optional<double> unit_of_animal(const body::Character& character, std::span<const MeasuredMotion> motions, double metres_per_unit,
-                                     bool trusted) {
-  if (character.plan != body::BodyPlan::four_legs || !(character.trunk_length > 0)) return std::nullopt;
-  constexpr double shortest = 0.06, longest = 1.6;  // m
-  double unit = metres_per_unit;
-  const auto trunk = [&] { return character.trunk_length / metres_per_unit * unit; };
-  if (!trusted)
-    for (const double candidate : {0.01, 1.0, 0.001, 0.0254}) {
-      unit = candidate;
-      if (trunk() > shortest && trunk() < longest) break;
-    }
-  const double fall = fall_of_trunk(character, motions) / metres_per_unit * unit;
-  // Smoothed and animated motions exceed g a little; 1.3 leaves these at their size.
-  if (constexpr double g = 9.81; fall > 1.3 * g) unit *= g / fall;
-  if (!(trunk() > shortest && trunk() < longest)) unit *= 0.8 / trunk();  // 0.8 m: between dog and horse
-  if (std::fabs(unit / metres_per_unit - 1) < 1e-9) return std::nullopt;
-  return unit;
-}
-
-std::optional<Vec3> belt_velocity(const body::Character& character, const MeasuredMotion& motion) {
-  if (character.plan == body::BodyPlan::other || motion.frames < 10 || !(character.leg_length > 0)) return std::nullopt;
-  std::vector<int> feet;
-  for (const body::Limb& l : character.legs) feet.push_back(l.tip >= 0 ? l.tip : l.end);
-  if (character.plan == body::BodyPlan::four_legs)
-    for (const body::Limb& l : character.arms) feet.push_back(l.tip >= 0 ? l.tip : l.end >= 0 ? l.end : l.distal);
-  const std::vector<std::vector<Pose>> world = world_of(motion);
-  const int span = std::max(1, static_cast<int>(0.03 * motion.rate));
-  std::vector<double> vx, vy;
-  for (const int foot : feet) {
-    std::vector<double> heights;
-    for (const auto& X : world) heights.push_back(X[at(foot)].p.z);
-    std::vector<double> sorted = heights;
-    const auto low = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 3);
-    std::nth_element(sorted.begin(), low, sorted.end());
-    for (int f = span; f + span < motion.frames; ++f) {
-      if (heights[at(f)] > *low) continue;
-      const Vec3 v = (world[at(f + span)][at(foot)].p - world[at(f - span)][at(foot)].p) * (motion.rate / (2 * span));
-      vx.push_back(v.x);
-      vy.push_back(v.y);
-    }
-  }
-  if (vx.size() < 10) return std::nullopt;
-  const auto quantile = [](std::vector<double>& v, double share) {
-    const auto k = v.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(v.size() - 1));
-    std::nth_element(v.begin(), k, v.end());
-    return *k;
-  };
-  const Vec3 belt{quantile(vx, 0.5), quantile(vy, 0.5), 0};
-  const double speed = norm(belt), scale = character.leg_length;
-  if (speed < 0.35 * scale) return std::nullopt;  // for a person this is about 0.3 m/s
-  // Most standing feet must move in the same direction.
-  const Vec3 along = belt / speed;
-  int alike = 0;
-  for (std::size_t k = 0; k < vx.size(); ++k) alike += vx[k] * along.x + vy[k] * along.y > 0.5 * speed ? 1 : 0;
-  if (alike < static_cast<int>(0.7 * static_cast<double>(vx.size()))) return std::nullopt;
-  // The character must stay in place: it travels less than a third of the distance that the belt moves.
-  const Vec3 moved = world.back()[at(character.pelvis)].p - world.front()[at(character.pelvis)].p;
-  if (norm(Vec3{moved.x, moved.y, 0}) > 0.33 * speed * motion.duration() + 0.1 * scale) return std::nullopt;
-  return belt;
-}
-
-void add_travel(MeasuredMotion& motion, const Vec3& velocity) {
-  const std::size_t n = motion.skeleton.joints.size();
-  for (std::size_t f = 0; f < at(motion.frames); ++f)
-    for (std::size_t i = 0; i < n; ++i)
-      if (motion.skeleton.joints[i].parent < 0) motion.translations[f * n + i] += velocity * (-static_cast<double>(f) / motion.rate);
 }
 
 }  // namespace ugoki::intake

@@ -1,7 +1,6 @@
 #pragma once
 // Reduces the joints of a file to those of one character, so that bodies do not depend on other objects in the file.
 
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,21 +24,6 @@ namespace ugoki::intake {
 [[nodiscard]] body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report,
                                       const body::AnatomyMapping* mapping = nullptr);
 
-/// Finds the up axis of the file from the posture of a human character: trunk and legs point along this axis in most frames.
-/// @return the axis (unit, along a coordinate axis); nothing if z is up or no axis is clearly up
-[[nodiscard]] std::optional<Vec3> up_by_posture(const body::Character& character);
-
-/// Unit of length, m per present metre, that gives a human character a usual height. @param trusted the unit is given by the file
-/// If no usual unit does, the unit gives a height of 1.7 m.
-/// @return nothing if the height is plausible
-[[nodiscard]] std::optional<double> unit_by_height(const body::Character& character, double metres_per_unit, bool trusted);
-/// Unit of length [m per file unit] of a four-legged animal, if another one than `metres_per_unit` is more plausible. The trunk between
-/// hips and shoulders of such animals is 0.06 m (rat) to 1.6 m (cattle) long, and no part of the ground pulls: the trunk falls no faster
-/// than with g. Without a trusted unit, the first of cm, m, mm, inch that gives such a trunk is chosen.
-/// @param trusted the file states its unit
-[[nodiscard]] std::optional<double> unit_of_animal(const body::Character& character, std::span<const MeasuredMotion> motions,
-                                                   double metres_per_unit, bool trusted);
-
 /// Attaches joints that shift relative to their parent to the ancestor with which they move rigidly. (In 3ds Max Biped, thighs are children
 /// of the spine and collar bones of the neck, although they move with pelvis and chest.) World poses do not change.
 /// @param motions all on the same skeleton
@@ -51,6 +35,13 @@ std::vector<std::string> attach_to_rigid_ancestors(std::span<MeasuredMotion> mot
 /// @param motions all on the same skeleton
 /// @return names of the joints with a new parent
 std::vector<std::string> attach_to_rigid_joints(std::span<MeasuredMotion> motions);
+
+/// Gives the fore limbs of an animal, or the arms of a person, to the child of their joint that carries the head, if the hind limbs have
+/// the same joint. (Some rigs of games hang trunk, neck and all limbs into one joint.) Limbs are found by their names. World poses do not
+/// change.
+/// @param motions all on the same skeleton
+/// @return names of the joints with a new parent
+std::vector<std::string> attach_fore_limbs_to_spine(std::span<MeasuredMotion> motions);
 
 /// Cuts a motion to its longest part without a jump of the whole character (clips appended in one file, a rest pose at the end). A jump
 /// between the first two frames stays: make_body handles such calibration poses.
@@ -66,13 +57,10 @@ std::vector<std::string> attach_to_rigid_joints(std::span<MeasuredMotion> motion
 /// the present root.
 void make_root(MeasuredMotion& motion, int root);
 
-/// Velocity [m/s, horizontal] of the floor under a character that walks in place (on a treadmill, or an animation without travel): the
-/// standing feet move with it while the character stays. Nothing if the character travels, or its standing feet do not move.
-[[nodiscard]] std::optional<Vec3> belt_velocity(const body::Character& character, const MeasuredMotion& motion);
-/// Adds the displacement -velocity * time to the roots, so that feet that stand on the belt stand on the floor.
-void add_travel(MeasuredMotion& motion, const Vec3& velocity);
-
 /// Removes joints; the others keep their world poses. @param keep [joints] 1: the joint stays; its nearest kept ancestor becomes its parent
 void keep_joints(MeasuredMotion& motion, std::span<const char> keep);
+
+/// Poses of all joints in the world: [frames][joints].
+[[nodiscard]] std::vector<std::vector<Pose>> world_of(const MeasuredMotion& motion);
 
 }  // namespace ugoki::intake

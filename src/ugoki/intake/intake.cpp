@@ -16,6 +16,7 @@
 #include "ugoki/geometry/prepare.h"
 #include "ugoki/intake/arrange.h"
 #include "ugoki/intake/choice.h"
+#include "ugoki/intake/scale.h"
 #include "ugoki/intake/support.h"
 #include "ugoki/robot_formats/robot_file.h"
 #include "ugoki/scene_formats/meshopt.h"
@@ -219,8 +220,18 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   body_options.height = options.height;
   body_options.mass = options.mass;
   body_options.mapping = mapping;
-  Result<body::Body> body =
-      motions.size() == 1 ? body::make_body(motions[0], body_options) : body::make_body(joined(motions), body_options);
+  const MeasuredMotion all = motions.size() == 1 ? motions[0] : joined(motions);
+  Result<body::Body> body = body::make_body(all, body_options);
+  // Jumps and rolls in other motions of the file can hide limbs that are clear in the longest motion.
+  if (body && !mapping && character.plan != body::BodyPlan::other && !body->human && body->anatomy.plan != "four legs") {
+    const body::AnatomyMapping found = body::mapping_of(character, motions[0].skeleton);
+    body::BodyOptions as_found = body_options;
+    as_found.mapping = &found;
+    if (Result<body::Body> again = body::make_body(all, as_found); again && again->anatomy.plan == found.plan) {
+      body = std::move(again);
+      out.report.push_back("The parts of the character are those of its longest motion; in all motions together they were not recognised.");
+    }
+  }
   if (!body) return fail(in_file(std::move(body.error()), file_name));
   Result<MechanismPtr> mechanism = renamed(*body->mechanism, name);
   if (!mechanism) return fail(in_file(std::move(mechanism.error()), file_name));

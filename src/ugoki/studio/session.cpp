@@ -18,6 +18,7 @@
 #include "ugoki/studio/interpreter.h"
 #include "ugoki/studio/message_id.h"
 #include "ugoki/studio/session_request.h"
+#include "ugoki/studio/simulated_part.h"
 
 namespace ugoki::studio {
 namespace {
@@ -31,34 +32,6 @@ constexpr std::size_t max_choices = 16'384;  // maximum size of the stored choic
 std::string text_of(const Json& json) { return json::to_text(json); }
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
-
-/// Removes everything from the circuit that has no effect on its values (notes, labels, positions), so that moving an LSI or writing a
-/// note does not restart the simulation.
-void strip(circuit::Circuit& circuit) {
-  circuit.doc.clear();
-  circuit.inputs_at.reset();
-  circuit.outputs_at.reset();
-  circuit.notes.clear();
-  circuit.probes.clear();
-  for (circuit::Instance& lsi : circuit.lsis) {
-    lsi.label.clear();
-    lsi.note.clear();
-    lsi.at = {};
-  }
-  for (circuit::Circuit& inner : circuit.circuits) strip(inner);
-}
-
-/// Removes everything from the document that only changes how it is drawn, so that a light or a camera does not restart the simulation.
-void strip_display(content::Scenario& scenario) {
-  scenario.camera = {};
-  scenario.look = {};
-  scenario.cameras.clear();
-  scenario.shots.clear();
-  for (content::ScenarioCharacter& c : scenario.characters) {
-    c.color = content::ScenarioCharacter().color;
-    c.material = {};
-  }
-}
 
 /// Modification time of the folder of installed libraries; it changes when a library is installed or removed.
 std::filesystem::file_time_type shelf_stamp() {
@@ -383,9 +356,9 @@ void Session::changed(std::string event) {
 
 void Session::generate() {
   content::Scenario scenario = project_.scenario();
-  strip_display(scenario);
+  remove_display(scenario);
   if (Result<circuit::Circuit> own = circuit::read_circuit(scenario.circuit); own && !scenario.circuit.empty()) {
-    strip(*own);
+    remove_display(*own);
     scenario.circuit = circuit::write_circuit(*own);
   }
   Result<std::vector<std::byte>> made = content::generate(scenario, project_.resources());

@@ -1,0 +1,136 @@
+#include "ugoki/intake/scale.h"
+
+#include <algorithm>
+
+#include "ugoki/intake/arrange.h"
+
+namespace ugoki::intake {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+std::optional<Vec3> up_by_posture(const body::Character& character) {
+  if (character.plan != body::BodyPlan::human) return std::nullopt;
+  const Vec3 u = character.up;
+  int axis = 0;
+  for (int k = 1; k < 3; ++k)
+    if (std::fabs(u[k]) > std::fabs(u[axis])) axis = k;
+  if (std::fabs(u[axis]) < 0.8 || u.z > 0.5 || (axis == 2 && u.z > 0)) return std::nullopt;
+  Vec3 up{};
+  up[axis] = u[axis] > 0 ? 1 : -1;
+  return up;
+}
+
+std::optional<double> unit_by_height(const body::Character& character, double metres_per_unit, bool trusted) {
+  if (character.plan != body::BodyPlan::human || !(character.leg_length > 0)) return std::nullopt;
+  const double height = character.leg_length / 0.491;
+  if (trusted ? height > 0.55 && height < 2.8 : height > 1.25 && height < 2.15) return std::nullopt;
+  // Units that motion files use: m, dm, cm, mm, inch, foot, and the inch of the CMU skeletons divided by their scale of 0.45.
+  double best = 0, smallest = 1e300;
+  for (const double unit : {1.0, 0.1, 0.01, 0.001, 0.0254, 0.3048, 0.0254 / 0.45}) {
+    const double away = std::fabs(std::log(height / metres_per_unit * unit / 1.7));
+    if (away < smallest) {
+      smallest = away;
+      best = unit;
+    }
+  }
+  // If no usual unit gives a usual height, the character gets a height of 1.7 m. 0.22: a usual height is 1.7 m within a factor of 1.25.
+  if (smallest > 0.22) return metres_per_unit * 1.7 / height;
+  if (std::fabs(std::log(height / 1.7)) <= smallest + 1e-9) return std::nullopt;
+  return best;
+}
+
+/// Downward acceleration [m/s^2] of the trunk that is exceeded in 2 % of the frames; 0 if the motions are too short to measure it.
+double fall_of_trunk(const body::Character& character, std::span<const MeasuredMotion> motions) {
+  std::vector<double> falls;
+  for (const MeasuredMotion& m : motions) {
+    const int span = std::max(1, static_cast<int>(std::lround(0.04 * m.rate)));  // differences over shorter times measure noise
+    if (m.frames < 2 * span + 10) continue;
+    std::vector<double> heights;
+    for (const auto& X : world_of(m)) {
+      double z = 0;
+      for (const auto* limbs : {&character.legs, &character.arms})
+        for (const body::Limb& l : *limbs) z += 0.25 * X[at(l.proximal)].p.z;
+      heights.push_back(z);
+    }
+    const double time = span / m.rate;
+    for (int f = span; f + span < m.frames; ++f)
+      falls.push_back((2 * heights[at(f)] - heights[at(f - span)] - heights[at(f + span)]) / (time * time));
+  }
+  if (falls.size() < 20) return 0;
+  const auto k = falls.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(falls.size() - 1));
+  std::nth_element(falls.begin(), k, falls.end());
+  return *k;
+}
+
+std::optional<double> unit_of_animal(const body::Character& character, std::span<const MeasuredMotion> motions, double metres_per_unit,
+                                     bool trusted) {
+  if (character.plan != body::BodyPlan::four_legs || !(character.trunk_length > 0)) return std::nullopt;
+  constexpr double shortest = 0.06, longest = 1.6;  // m
+  double unit = metres_per_unit;
+  const auto trunk = [&] { return character.trunk_length / metres_per_unit * unit; };
+  if (!trusted)
+    for (const double candidate : {0.01, 1.0, 0.001, 0.0254}) {
+      unit = candidate;
+      if (trunk() > shortest && trunk() < longest) break;
+    }
+  const double fall = fall_of_trunk(character, motions) / metres_per_unit * unit;
+  // Smoothed and animated motions exceed g a little; 1.3 leaves these at their size.
+  if (constexpr double g = 9.81; fall > 1.3 * g) unit *= g / fall;
+  if (!(trunk() > shortest && trunk() < longest)) unit *= 0.8 / trunk();  // 0.8 m: between dog and horse
+  if (std::fabs(unit / metres_per_unit - 1) < 1e-9) return std::nullopt;
+  return unit;
+}
+
+std::optional<Vec3> belt_velocity(const body::Character& character, const MeasuredMotion& motion) {
+  if (character.plan == body::BodyPlan::other || motion.frames < 10 || !(character.leg_length > 0)) return std::nullopt;
+  std::vector<int> feet;
+  for (const body::Limb& l : character.legs) feet.push_back(l.tip >= 0 ? l.tip : l.end);
+  if (character.plan == body::BodyPlan::four_legs)
+    for (const body::Limb& l : character.arms) feet.push_back(l.tip >= 0 ? l.tip : l.end >= 0 ? l.end : l.distal);
+  const std::vector<std::vector<Pose>> world = world_of(motion);
+  const int span = std::max(1, static_cast<int>(0.03 * motion.rate));
+  std::vector<double> vx, vy;
+  for (const int foot : feet) {
+    std::vector<double> heights;
+    for (const auto& X : world) heights.push_back(X[at(foot)].p.z);
+    std::vector<double> sorted = heights;
+    const auto low = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 3);
+    std::nth_element(sorted.begin(), low, sorted.end());
+    for (int f = span; f + span < motion.frames; ++f) {
+      if (heights[at(f)] > *low) continue;
+      const Vec3 v = (world[at(f + span)][at(foot)].p - world[at(f - span)][at(foot)].p) * (motion.rate / (2 * span));
+      vx.push_back(v.x);
+      vy.push_back(v.y);
+    }
+  }
+  if (vx.size() < 10) return std::nullopt;
+  const auto quantile = [](std::vector<double>& v, double share) {
+    const auto k = v.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(v.size() - 1));
+    std::nth_element(v.begin(), k, v.end());
+    return *k;
+  };
+  const Vec3 belt{quantile(vx, 0.5), quantile(vy, 0.5), 0};
+  const double speed = norm(belt), scale = character.leg_length;
+  if (speed < 0.35 * scale) return std::nullopt;  // for a person this is about 0.3 m/s
+  // Most standing feet must move in the same direction.
+  const Vec3 along = belt / speed;
+  int alike = 0;
+  for (std::size_t k = 0; k < vx.size(); ++k) alike += vx[k] * along.x + vy[k] * along.y > 0.5 * speed ? 1 : 0;
+  if (alike < static_cast<int>(0.7 * static_cast<double>(vx.size()))) return std::nullopt;
+  // The character must stay in place: it travels less than a third of the distance that the belt moves.
+  const Vec3 moved = world.back()[at(character.pelvis)].p - world.front()[at(character.pelvis)].p;
+  if (norm(Vec3{moved.x, moved.y, 0}) > 0.33 * speed * motion.duration() + 0.1 * scale) return std::nullopt;
+  return belt;
+}
+
+void add_travel(MeasuredMotion& motion, const Vec3& velocity) {
+  const std::size_t n = motion.skeleton.joints.size();
+  for (std::size_t f = 0; f < at(motion.frames); ++f)
+    for (std::size_t i = 0; i < n; ++i)
+      if (motion.skeleton.joints[i].parent < 0) motion.translations[f * n + i] += velocity * (-static_cast<double>(f) / motion.rate);
+}
+
+}  // namespace ugoki::intake
