@@ -7,8 +7,11 @@
 #include <string>
 #include <utility>
 
+#include "rose_plot.h"
 #include "scene.h"
+#include "ugoki/files/files.h"
 #include "ugoki/motion_edit/cycle.h"
+#include "ugoki/spatial/elementary.h"
 
 using namespace ugoki;
 
@@ -18,8 +21,10 @@ constexpr const char* usage =
     "usage: ugoki_control_bench [options] [files and sample motions]\n"
     "  files: BVH or AMC; sample motions: sample-stand, sample-walk, sample-dog-stand, sample-dog-trot\n"
     "  --loop SECONDS       make each motion cyclic and repeat it\n"
-    "  --push J             push rose: impulse J per mass (N s/kg) in 0.2 s at the chest, 8 directions; needs --loop\n"
+    "  --push J             push rose: impulse J per mass (N s/kg) in 0.2 s at the chest, 8 directions; needs --loop.\n"
+    "                       Several --push options measure several impulses\n"
     "  --phases N           number of phases of the cycle for --push (default 4)\n"
+    "  --svg FILE           write a plot of all push roses\n"
     "  --slope DEGREES, --steps M, --tiles M   terrain that the reference does not contain\n"
     "  --one TIME ANGLE J   one push with impulse J per mass (N s/kg) at TIME (s) towards ANGLE (degrees)\n"
     "  --friction MU        friction of the floor (default 0.9)\n"
@@ -29,7 +34,9 @@ constexpr const char* usage =
 
 struct Options {
   bench::RunSettings settings;
-  double loop = 0, rose = 0, one = 0;
+  double loop = 0, one = 0;
+  std::vector<double> roses;  // N s/kg
+  std::string svg;
   int phases = 4;
   std::vector<std::string> files;
 };
@@ -55,6 +62,7 @@ std::vector<std::pair<std::string, double*>> parameters(control::BalanceOptions&
           {"shift-growth", &o.shift_growth},
           {"max-transfer", &o.max_transfer},
           {"clearance", &o.clearance},
+          {"rough-clearance", &o.rough_clearance},
           {"aim-depth", &o.aim_depth},
           {"press-speed", &o.press_speed},
           {"late-rate", &o.late_rate},
@@ -100,7 +108,9 @@ bool parse(int argc, char** argv, Options& o) {
     } else if (a == "--friction") {
       o.settings.friction = number();
     } else if (a == "--push") {
-      o.rose = number();
+      o.roses.push_back(number());
+    } else if (a == "--svg" && i + 1 < argc) {
+      o.svg = argv[++i];
     } else if (a == "--phases") {
       o.phases = std::max(1, static_cast<int>(number()));
     } else if (a == "--slope") {
@@ -140,24 +150,37 @@ bool parse(int argc, char** argv, Options& o) {
 }
 
 void run_rose(const bench::ClipFile& clip, const Motion& motion, const std::shared_ptr<const bench::MotionReference>& reference,
-              const Options& o) {
+              const Options& o, double impulse, std::vector<bench::RosePoint>& points) {
   int stood = 0, tries = 0;
   std::string marks;
+  const double cycle = motion.duration();
+  std::vector<double> q(clip.mechanism->neutral().size()), v(static_cast<std::size_t>(clip.mechanism->nv())), a(v.size());
+  // Direction of the walk between two times
+  const auto heading = [&](double from, double to) {
+    reference->sample(from, q, v, a);
+    const Vec3 start{q[0], q[1], 0};
+    reference->sample(to, q, v, a);
+    const Vec3 way = Vec3{q[0], q[1], 0} - start;
+    return norm(way) > 0.05 ? ugoki::atan2(way.y, way.x) : 0.0;
+  };
   for (int direction = 0; direction < 8; ++direction) {
+    int survived = 0;
     for (int phase = 0; phase < o.phases; ++phase) {
       bench::RunSettings s = o.settings;
-      const double angle = pi * direction / 4, cycle = motion.duration(), force = o.rose * clip.mechanism->mass() / s.push.duration;
+      const double angle = pi * direction / 4, force = impulse * clip.mechanism->mass() / s.push.duration;
       s.push.time = 3 * cycle + phase * cycle / o.phases;
       s.push.force = Vec3{ugoki::cos(angle), ugoki::sin(angle), 0} * force;
       s.duration = s.push.time + 6;
       const bool fell = bench::run(clip.mechanism, reference, s).fell;
       ++tries;
-      stood += fell ? 0 : 1;
+      survived += fell ? 0 : 1;
       marks += fell ? 'x' : '.';
     }
     marks += ' ';
+    stood += survived;
+    points.push_back({impulse, pi * direction / 4 - heading(2.5 * cycle, 4.5 * cycle), survived, o.phases});
   }
-  std::printf("%-18s %.2f N s/kg: %d / %d  %s\n", clip.name.c_str(), o.rose, stood, tries, marks.c_str());
+  std::printf("%-18s %.2f N s/kg: %d / %d  %s\n", clip.name.c_str(), impulse, stood, tries, marks.c_str());
 }
 
 }  // namespace
@@ -166,6 +189,7 @@ int main(int argc, char** argv) {
   Options o;
   if (!parse(argc, argv, o)) return 2;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  std::vector<bench::RosePoint> points;
   for (const std::string& file : o.files) {
     const Result<bench::ClipFile> clip = bench::read_clip(file);
     if (!clip) {
@@ -182,10 +206,8 @@ int main(int argc, char** argv) {
       motion = std::move(*cyclic);
     }
     const auto reference = std::make_shared<const bench::MotionReference>(clip->mechanism, motion, o.loop);
-    if (o.rose > 0) {
-      run_rose(*clip, motion, reference, o);
-      continue;
-    }
+    for (const double impulse : o.roses) run_rose(*clip, motion, reference, o, impulse, points);
+    if (!o.roses.empty()) continue;
     bench::RunSettings s = o.settings;
     s.push.force = s.push.force * (o.one * clip->mechanism->mass() / s.push.duration);
     const bench::Outcome r = bench::run(clip->mechanism, reference, s);
@@ -196,6 +218,13 @@ int main(int argc, char** argv) {
         clip->name.c_str(), r.fell ? "FELL " : "whole", r.time, reference->end(), r.tracking_deg, r.slip_mean_cm, r.slip_worst_cm,
         r.penetration_mm, r.travel, r.control_us, r.total_us, 1e6 * s.dt / r.total_us, r.max_iterations, r.unsolved,
         static_cast<unsigned long long>(r.hash));
+  }
+  if (!o.svg.empty()) {
+    const Result<void> written = files::write_file(o.svg, bench::rose_svg(points));
+    if (!written) {
+      std::fprintf(stderr, "%s\n", written.error().text().c_str());
+      return 1;
+    }
   }
   return 0;
 }

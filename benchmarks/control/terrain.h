@@ -14,7 +14,7 @@ struct Terrain {
 };
 
 /// m: distance from the centre of a terrain to its border. Slopes are larger.
-constexpr double terrain_radius = 10;
+constexpr double terrain_radius = 4;
 
 /// Returns fixed boxes that form the part of an endless terrain around `centre`. Around `start` the terrain is level at height 0.
 /// @param start, centre m, world @param direction unit, horizontal: direction of the walk @param friction Coulomb coefficient

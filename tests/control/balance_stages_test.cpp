@@ -8,6 +8,7 @@
 
 #include "balance_scene.h"
 #include "ugoki/control/ground_plan.h"
+#include "ugoki/control/leg_posture.h"
 #include "ugoki/control/reference_anchor.h"
 #include "ugoki/motion/clip.h"
 #include "ugoki/spatial/elementary.h"
@@ -276,6 +277,37 @@ TEST(BalanceControl, ClimbsAStep) {
   }
   EXPECT_GT(s.state.q[0], 3);  // m
   EXPECT_NEAR(s.memory.z, 0.08, 1e-3);
+}
+
+TEST(LegPosture, ReachesHighAndSlopingGroundAndKeepsTheOtherLeg) {
+  const Walker w;
+  const auto bent = std::make_shared<const ChangedStand>(w, 3, [&](double, std::span<double> q) {
+    // A straight knee would have to bend by a large angle: both legs are bent by the same angles in all joints.
+    std::vector<double> v(static_cast<std::size_t>(w.body.mechanism->nv())), moved(q.size());
+    for (const Foot& foot : feet_of(*w.body.mechanism))
+      for (const int dof : foot.dofs) v[static_cast<std::size_t>(dof)] = 0.3;  // rad
+    integrate(*w.body.mechanism, q, v, 1, moved);
+    std::ranges::copy(moved, q.begin());
+  });
+  BalanceModel model(w.body.mechanism, bent, {}, 0);
+  BalanceState state;
+  state.feet[0].stands = state.feet[1].stands = 1;
+  state.feet[0].to[2] = 0.06;    // m: the ground under the first foot is high
+  state.feet[0].tilt[0] = 0.15;  // and rises along x
+  model.sample_reference(state);
+  LegPosture legs(model);
+  legs.update(model, state);
+  std::vector<Pose> X(static_cast<std::size_t>(model.mechanism->link_count()));
+  calc_poses(*model.mechanism, legs.positions(), X);
+  const auto at = [&](std::size_t f) { return X[static_cast<std::size_t>(model.feet[f].link)]; };
+  const Pose& reference = model.ref.X_WB[static_cast<std::size_t>(model.feet[0].link)];
+  const Vec3 moved = at(0) * model.feet[0].sole - model.reference_sole(0);
+  EXPECT_NEAR(moved.x, 0, 0.003);
+  EXPECT_NEAR(moved.y, 0, 0.003);
+  EXPECT_NEAR(moved.z, 0.06, 0.003);
+  const Mat3 turned = at(0).R * reference.R.transposed();
+  EXPECT_NEAR((turned * Vec3{1, 0, 0}).z, std::sin(std::atan(0.15)), 0.02);  // the sole's x axis rises with the ground
+  EXPECT_LT(norm(at(1) * model.feet[1].sole - model.reference_sole(1)), 1e-9);
 }
 
 TEST(GroundPlan, PathMeetsBothPlacesAndItsRateIsItsDerivative) {

@@ -16,6 +16,7 @@
 //   5. Reaction steps. If the DCM leaves the support while the reference stands, a foot steps to the position that the DCM will have at
 //      the landing. The DCM of a pendulum on a point p moves by xi(T) = p + (xi - p) exp(w0 T). Several steps may follow each other. The
 //      feet stay where they have landed until the reference makes its next steps.
+//      On uneven ground, the wanted posture of the standing legs is adapted to the ground (leg_posture.h).
 //   6. A quadratic program (balance_program.h) finds accelerations, contact forces and torques. Only ground forces act on the root.
 //      Standing soles are constraints, and drives and joints stay within their limits. A foot turns on the ground if its counterpart in
 //      the reference turns.

@@ -16,7 +16,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-BalanceProgram::BalanceProgram(const BalanceModel& model) : tasks_(model) {
+BalanceProgram::BalanceProgram(const BalanceModel& model) : legs_(model), tasks_(model) {
   const std::size_t nv = model.v_ref.size();
   for (std::vector<double>* v : {&accelerations_, &bias_, &displacement_}) v->resize(nv);
   edges_.reserve(4 * GroundSupport::max_bearing);
@@ -121,7 +121,8 @@ void BalanceProgram::solve(BalanceModel& model, const GroundSupport& support, co
     for (const Vec3& t : {t1 * mu, t1 * -mu, t2 * mu, t2 * -mu}) edges_.push_back(b.n + t);
   }
   program_.begin(m.nv(), static_cast<int>(edges_.size()), model.options.load_cost);
-  tasks_.add_posture(model, in, program_);
+  legs_.update(model, state);
+  tasks_.add_posture(model, legs_, in, program_);
   tasks_.add_momentum(model, acceleration, program_);
   tasks_.add_links(model, support, state, program_);
   dynamics::calc_inverse_dynamics(m, model.now, {}, model.options.gravity, {}, bias_);

@@ -34,6 +34,7 @@ class BalanceProgram {
   void find_torques(BalanceModel& model, const BalanceInput& input, std::span<double> tau);
 
   QuadraticProgram program_;
+  LegPosture legs_;
   BalanceTasks tasks_;
   const std::vector<BearingPoint>* bearing_ = nullptr;  // of the present tick
   std::vector<Vec3> edges_;                             // [loads] direction of each load's force

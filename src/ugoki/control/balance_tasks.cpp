@@ -142,8 +142,8 @@ int BalanceTasks::max_equations(const BalanceModel& model) {
   return 12 + 6 * parts;
 }
 
-void BalanceTasks::add_posture(const BalanceModel& model, const BalanceInput& in, QuadraticProgram& program) {
-  difference(*model.mechanism, in.q, model.q_ref, error_);
+void BalanceTasks::add_posture(const BalanceModel& model, const LegPosture& legs, const BalanceInput& in, QuadraticProgram& program) {
+  difference(*model.mechanism, in.q, legs.positions(), error_);
   const std::span<double> weights = program.weights(), centre = program.centre();
   const double kp = model.options.joint_frequency * model.options.joint_frequency, kd = 2 * model.options.joint_frequency;
   for (std::size_t i = 0; i < error_.size(); ++i) {

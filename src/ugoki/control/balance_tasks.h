@@ -6,6 +6,7 @@
 
 #include "ugoki/control/balance_model.h"
 #include "ugoki/control/ground_support.h"
+#include "ugoki/control/leg_posture.h"
 #include "ugoki/control/quadratic_program.h"
 
 namespace ugoki::control {
@@ -17,8 +18,8 @@ class BalanceTasks {
   /// Maximum number of equations that the tasks of a character add.
   [[nodiscard]] static int max_equations(const BalanceModel& model);
 
-  /// Posture: weights and centre of the program. Joints follow the reference by stable PD.
-  void add_posture(const BalanceModel& model, const BalanceInput& input, QuadraticProgram& program);
+  /// Posture: weights and centre of the program. Joints follow the reference with adapted legs by stable PD.
+  void add_posture(const BalanceModel& model, const LegPosture& legs, const BalanceInput& input, QuadraticProgram& program);
   /// Acceleration of the centre of mass and rate of the angular momentum. @param acceleration m/s^2, world: wanted, of the centre of mass
   void add_momentum(BalanceModel& model, const Vec3& acceleration, QuadraticProgram& program);
   /// Orientation of the trunk, constraints of standing feet, motion of swing feet.

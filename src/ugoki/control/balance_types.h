@@ -44,19 +44,20 @@ struct BalanceOptions {
   double shift_time = 0.03;   ///< s: time constant with which the shift of the next foothold is updated
   double max_shift = 0.8;     ///< m: maximum shift of the next foothold from its place in the reference
   double hurry = 1, hurry_from = 0.15,
-         max_hurry = 1.4;        ///< 1/m, m, factor: rate of time in a swing = 1 + hurry (shift - hurry_from), between 1 and max_hurry
-  double clearance = 0.01;       ///< m: added to the height of a swing foot in the middle of the swing
-  double aim_depth = 0.01;       ///< m: a swing foot aims this far below the floor at the end of the swing
-  double press_speed = 0.8;      ///< m/s: downward speed of a foot that lands later than in the reference
-  double step_time = 0.27;       ///< s: duration of a reaction step
-  double step_delay = 0.04;      ///< s: time for which the DCM must be outside the support before a reaction step
-  double step_margin = 0.3;      ///< s: a reaction step starts if the DCM leaves the support by over step_margin * reference speed
-  double step_error = 0.06;      ///< m: minimum error of the DCM for a reaction step
-  double step_clearance = 0.05;  ///< m: height of a reaction step
-  double separation = 0.14;      ///< m: minimum lateral distance of the feet after a reaction step
-  double push_off = 0.1;         ///< body weights: the feet lift to a flight only when the reference needs less ground force
-  double landing = 0.4;          ///< factor on the DCM error in the shift of a landing after a flight
-  double early = 0.6;            ///< fraction of the swing after which a touching foot stands
+         max_hurry = 1.4;         ///< 1/m, m, factor: rate of time in a swing = 1 + hurry (shift - hurry_from), between 1 and max_hurry
+  double clearance = 0.01;        ///< m: added to the height of a swing foot in the middle of the swing
+  double rough_clearance = 0.05;  ///< m: maximum further height over ground that deviates from the line between both footholds
+  double aim_depth = 0.01;        ///< m: a swing foot aims this far below the floor at the end of the swing
+  double press_speed = 0.8;       ///< m/s: downward speed of a foot that lands later than in the reference
+  double step_time = 0.27;        ///< s: duration of a reaction step
+  double step_delay = 0.04;       ///< s: time for which the DCM must be outside the support before a reaction step
+  double step_margin = 0.3;       ///< s: a reaction step starts if the DCM leaves the support by over step_margin * reference speed
+  double step_error = 0.06;       ///< m: minimum error of the DCM for a reaction step
+  double step_clearance = 0.05;   ///< m: height of a reaction step
+  double separation = 0.14;       ///< m: minimum lateral distance of the feet after a reaction step
+  double push_off = 0.1;          ///< body weights: the feet lift to a flight only when the reference needs less ground force
+  double landing = 0.4;           ///< factor on the DCM error in the shift of a landing after a flight
+  double early = 0.6;             ///< fraction of the swing after which a touching foot stands
   double early_rate = 1.6, late_rate = 1;  ///< rate of the reference's time after an early touch-down, and while a touch-down is late
   double limit_time = 0.02;                ///< s: a joint keeps its limits for this time ahead, at constant acceleration
   int limit_rounds = 2;  ///< maximum number of further solutions; each adds the limits that the previous solution exceeds as constraints

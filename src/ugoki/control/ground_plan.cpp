@@ -96,6 +96,12 @@ void GroundPlan::update_body(const BalanceModel& model, const GroundSupport& sup
     const GroundSupport::Ground ground = support.ground_under(model, f);
     if (!ground.found) continue;
     count += 1;
+    // A foot that stands at the begin has not planned its foothold.
+    BalanceState::FootState& foot = state.feet[f];
+    const bool first = state.clock == 0;
+    foot.to[2] += (ground.height - foot.to[2]) * (first ? 1 : share);
+    if (first)
+      for (int k = 0; k < 2; ++k) foot.tilt[k] = -ground.normal[k] / ground.normal.z;
     if (ground.loose) loose += ground.height - model.map_height(state, model.sole(f));
   }
   if (count > 0) state.loose += (loose / count - state.loose) * share;
@@ -190,20 +196,23 @@ void GroundPlan::update_foot(const BalanceModel& model, std::size_t f, double dt
   // The path rises above the ground between both places. The sole covers some ground ahead and behind.
   const Vec3 from{foot.from[0], foot.from[1], 0}, way = to - from;
   const double distance = norm(way);
-  double bump = 0;
+  double bump = 0, rough = 0;
   if (distance > min_way) {
     const Vec3 reach = way * (norm(half_[f][0]) / distance);
     constexpr int samples = 7;
     for (int k = 1; k <= samples; ++k) {
       const double s = static_cast<double>(k) / (samples + 1);
       const double line = foot.from[2] + (foot.to[2] - foot.from[2]) * smooth_step(s).value;
+      const double straight = foot.from[2] + (foot.to[2] - foot.from[2]) * s;
       for (const double side : {-1.0, 0.0, 1.0}) {
         const double height = model.map_height(state, from + way * s + reach * side) + state.loose;
         bump = std::max(bump, (height - line) / (4 * s * (1 - s)));
+        rough = std::max(rough, std::fabs(height - straight));
       }
     }
   }
-  foot.bump += (std::min(bump, model.max_step(state)) - foot.bump) * share;
+  bump = std::min(bump, model.max_step(state)) + std::min(rough, o.rough_clearance);
+  foot.bump += (bump - foot.bump) * share;
 }
 
 GroundPlan::Path GroundPlan::path(const BalanceState::FootState& foot, const Vec3& p, const Vec3& v, double phase) {
