@@ -1,4 +1,4 @@
-// Journeys for the simulated curve, grips, and the tour.
+// Journeys for stored poses, keys on clips, the simulated curve, ripple, order and groups of tracks, and grips.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
 import { document_of, set_mode, until } from './browser.mjs';
@@ -9,6 +9,7 @@ const pictures = fileURLToPath(new URL('./out/', import.meta.url));
 const hook = (page, expression) => page.evaluate(`window.ugoki.${expression}`);
 const label_of = async (page) => (await hook(page, 'undo()')).undo_label;
 const human_of = (doc) => doc.characters.find((c) => c.track.length > 0 && /human/i.test(c.name)) ?? doc.characters.find((c) => c.track.length > 0);
+const keys_of = (clip) => (clip.layers ?? []).flatMap((l) => l.joints.flatMap((j) => j.keys.map((k) => ({ link: j.link, ...k }))));
 const blur = (page) => page.evaluate('document.activeElement?.blur?.()');
 const select_link = async (page, character, name) => {
   const link = await hook(page, `link_index(${JSON.stringify(character)}, ${JSON.stringify(name)})`);
@@ -40,6 +41,162 @@ async function both_themes(page, name) {
 }
 
 export const timeline_journeys = [
+  {
+    name: 'poses: a pose is stored under a name, applied whole, mirrored and in part at another time, and undone',
+    async run({ page }) {
+      await set_mode(page, 'Edit');
+      await page.keyboard.press('Escape');
+      const before = await document_of(page);
+      const human = human_of(before);
+      const clip = async () => (await document_of(page)).characters.find((c) => c.id === human.id).track[0];
+      await page.getByRole('tab', { name: 'Poses' }).click();
+      await page.locator('.poses-empty').first().waitFor();
+      await page.locator(`[data-character="${human.id}"] .track-name`).click();
+      await blur(page);
+      await page.keyboard.press('Shift+ArrowLeft');
+      for (let i = 0; i < 30; i++) await page.keyboard.press('ArrowRight');
+      await page.keyboard.press('3');
+      await page.keyboard.press('f');
+      await page.waitForTimeout(800);
+      await page.screenshot({ path: `${pictures}poses-empty.png` });
+
+      // two poses of the walk, each named at once
+      for (const [name, frames] of [['Step', 0], ['Stride', 22]]) {
+        await blur(page);
+        for (let i = 0; i < frames; i++) await page.keyboard.press('ArrowRight');
+        if (frames) await page.waitForTimeout(400);
+        await page.getByRole('button', { name: 'Store pose', exact: true }).click();
+        const field = page.getByRole('textbox', { name: 'Name of the pose' });
+        await field.waitFor();
+        await field.fill(name);
+        await field.press('Enter');
+        await page.waitForFunction((n) => document.activeElement?.getAttribute('aria-label') === n, name); // the named pose gets the focus
+      }
+      const poses = await until(page, async () => {
+        const { poses: stored } = await document_of(page);
+        return stored?.length === 2 && stored[1].name === 'Stride' && stored;
+      }, 'two named poses');
+      assert.equal(poses[0].name, 'Step');
+      assert.ok(poses[0].joints.length > 15, 'all joints');
+      await page.waitForTimeout(600);
+
+      // the other pose, whole, with auto-key; the place of the character stays
+      const step = page.getByRole('option', { name: 'Step' });
+      await step.click();
+      const hand = await hook(page, `link_index(${JSON.stringify(human.id)}, 'hand right')`);
+      const at = await hook(page, `link_position(${JSON.stringify(human.id)}, ${hand})`);
+      const root = await hook(page, `link_position(${JSON.stringify(human.id)}, 0)`);
+      await page.getByRole('button', { name: 'Apply', exact: true }).click();
+      await until(page, async () => keys_of(await clip()).length > 10, 'keys of the applied pose');
+      assert.equal(await label_of(page), 'Apply pose Step');
+      await until(page, async () => {
+        const now = await hook(page, `link_position(${JSON.stringify(human.id)}, ${hand})`);
+        return Math.hypot(now[0] - at[0], now[2] - at[2]) > 0.05;
+      }, 'the hand moved in the frames of the service');
+      const root_now = await hook(page, `link_position(${JSON.stringify(human.id)}, 0)`);
+      assert.ok(Math.hypot(root_now[0] - root[0], root_now[1] - root[1]) < 1e-3, 'the character stays where it is');
+      await both_themes(page, 'poses');
+      await page.keyboard.press('Control+z');
+      await until(page, async () => keys_of(await clip()).length === 0, 'one undo removes the keys');
+
+      // only a limb, mirrored, half of it
+      await until(page, async () => (await hook(page, 'posing()'))?.ready, 'the pose of the playhead');
+      await select_link(page, human.id, 'upper arm left');
+      await step.click();
+      await page.getByRole('combobox', { name: 'Joints that the pose sets' }).selectOption('limb');
+      await page.getByRole('group', { name: 'Poses' }).getByRole('button', { name: 'Mirror' }).click();
+      await page.getByRole('slider', { name: 'Share of the pose, percent' }).fill('50');
+      await page.screenshot({ path: `${pictures}poses-limb.png` });
+      await step.focus();
+      await page.keyboard.press('Enter');
+      await until(page, async () => keys_of(await clip()).length > 0, 'keys of the arm');
+      const links = [...new Set(keys_of(await clip()).map((k) => k.link))];
+      assert.ok(links.every((l) => /arm|hand/i.test(l)), `only the arm: ${links}`);
+
+      // marks of the keys on the clip
+      await page.getByRole('tab', { name: 'Scenario' }).click();
+      await page.locator('.clip .key-marks').first().waitFor();
+      await page.screenshot({ path: `${pictures}key-marks.png` });
+
+      // keyboard: the list, rename, remove
+      await page.getByRole('tab', { name: 'Poses' }).click();
+      await step.focus();
+      await page.keyboard.press('ArrowRight');
+      await page.keyboard.press('F2');
+      await page.getByRole('textbox', { name: 'Name of the pose' }).fill('Long stride');
+      await page.keyboard.press('Enter');
+      await page.getByRole('option', { name: 'Long stride' }).waitFor();
+      await page.getByRole('option', { name: 'Long stride' }).focus();
+      await page.keyboard.press('Delete');
+      await until(page, async () => (await document_of(page)).poses?.length === 1, 'a removed pose');
+      await undo_to(page, before);
+      await page.keyboard.press('Escape');
+      await page.keyboard.press('Escape');
+      await page.getByRole('tab', { name: 'Library' }).click();
+    },
+  },
+  {
+    name: 'posing without a clip states why not and goes to the clip; in a cross-fade, the posed clip can be chosen',
+    async run({ page }) {
+      await set_mode(page, 'Edit');
+      const before = await document_of(page);
+      const human = human_of(before);
+      const last = human.track[human.track.length - 1];
+      const first = human.track[0];
+      await page.locator(`[data-clip="${first.id}"]`).click();
+      // a gap at the start, and a second clip that overlaps the first one by 1 s
+      await page.getByRole('textbox', { name: 'Start' }).fill('1');
+      await page.keyboard.press('Enter');
+      await until(page, async () => human_of(await document_of(page)).track.find((k) => k.id === first.id)?.start === 1, 'the gap');
+      await page.locator(`[data-character="${human.id}"] .track-name`).click();
+      await blur(page);
+      await page.keyboard.press('Shift+ArrowLeft');
+      await page.keyboard.press('e');
+      const note = page.locator('.pose-note');
+      await note.getByText('has none here').waitFor();
+      await page.screenshot({ path: `${pictures}pose-no-clip.png` });
+      await note.getByRole('button', { name: /^Go to/ }).click();
+      await until(page, async () => (await hook(page, 'posing()'))?.ready, 'the pose at the start of the clip');
+      if (last === first) {
+        await page.locator(`[data-clip="${first.id}"]`).click();
+        await blur(page);
+        await page.keyboard.press('Control+d');
+        await until(page, async () => human_of(await document_of(page)).track.length === 2, 'a second clip');
+        await page.getByRole('textbox', { name: 'Start' }).fill(String(first.length));
+        await page.keyboard.press('Enter');
+        await until(page, async () => human_of(await document_of(page)).track[1].start === first.length, 'the place of the second clip');
+      }
+      const track = human_of(await document_of(page)).track;
+      const into = track[1];
+      const blend = into.blend > 0 ? into.blend : 0.3;
+      if (!(into.blend > 0)) {
+        await page.locator(`[data-clip="${into.id}"]`).click();
+        await page.getByRole('textbox', { name: 'Blend in' }).fill('0.3');
+        await page.keyboard.press('Enter');
+        await page.waitForTimeout(300);
+      }
+      await page.locator(`[data-character="${human.id}"] .track-name`).click();
+      const ruler = page.locator('.ruler');
+      await page.getByRole('button', { name: 'Fit', exact: true }).click();
+      await page.waitForTimeout(200);
+      const box = await ruler.boundingBox();
+      const doc = await document_of(page);
+      const scale = (box.width - 32) / doc.duration;
+      await page.mouse.click(box.x + 12 + (into.start + blend / 2) * scale, box.y + box.height / 2);
+      await note.getByText('Cross-fade').waitFor();
+      await until(page, async () => (await hook(page, 'posing()'))?.ready, 'the pose in the cross-fade');
+      await page.waitForTimeout(400);
+      await page.screenshot({ path: `${pictures}pose-cross-fade.png` });
+      await note.getByRole('button').click();
+      await until(page, async () => (await hook(page, 'selection()')).clip === track[0].id, 'the other clip is posed');
+      await until(page, async () => (await hook(page, 'posing()'))?.ready, 'the pose of the other clip');
+      await page.keyboard.press('Shift+S');
+      await until(page, async () => keys_of(human_of(await document_of(page)).track[0]).length > 0, 'keys in the other clip');
+      await undo_to(page, before);
+      await page.keyboard.press('Escape');
+      await page.keyboard.press('Escape');
+    },
+  },
   {
     name: 'curves: the simulated curve of a joint is beside the keyed one',
     async run({ page }) {
@@ -74,6 +231,72 @@ export const timeline_journeys = [
       await page.keyboard.press('Escape');
       await page.keyboard.press('Escape');
       assert.equal(JSON.stringify(await document_of(page)), JSON.stringify(before));
+    },
+  },
+  {
+    name: 'timeline: ripple moves everything later, tracks are ordered by drag and keys, groups fold',
+    async run({ page }) {
+      await set_mode(page, 'Edit');
+      const before = await document_of(page);
+      const human = human_of(before);
+      const clip = human.track[0];
+      await page.locator('.scenario').click({ position: { x: 420, y: 6 } });
+      await page.getByRole('button', { name: 'Ripple', exact: true }).click();
+      const later = before.events.filter((e) => e.time >= clip.start).map((e) => e.time);
+      await page.keyboard.press('Home');
+      await page.waitForTimeout(200);
+      const box = await page.locator(`[data-clip="${clip.id}"]`).boundingBox();
+      await page.mouse.move(box.x + 30, box.y + 8);
+      await page.mouse.down();
+      await page.mouse.move(box.x + 75, box.y + 8, { steps: 6 });
+      await page.mouse.up();
+      await until(page, async () => human_of(await document_of(page)).track[0].start > 0.1, 'the moved clip');
+      assert.equal(await label_of(page), 'Ripple move');
+      const moved = await document_of(page);
+      const by = human_of(moved).track[0].start - clip.start;
+      for (const c of moved.characters) c.track.forEach((k, i) => assert.ok(Math.abs(k.start - before.characters.find((b) => b.id === c.id).track[i].start - by) < 2e-6, 'all clips moved alike'));
+      moved.events.filter((e) => e.time >= clip.start + by).forEach((e, i) => assert.ok(Math.abs(e.time - later[i] - by) < 2e-6, 'all events moved alike'));
+      await page.screenshot({ path: `${pictures}ripple.png` });
+      await page.keyboard.press('Control+z');
+      await until(page, async () => human_of(await document_of(page)).track[0].start === clip.start, 'one undo step');
+      await page.getByRole('button', { name: 'Ripple', exact: true }).click();
+
+      // order: drag the last track to the top, then down again by a key
+      const order = () => page.locator('.track[data-character]').evaluateAll((rows) => rows.map((r) => r.dataset.character));
+      const shown = await order();
+      assert.ok(shown.length >= 2);
+      const name = (id) => page.locator(`[data-character="${id}"] .track-name`);
+      const moved_id = shown[shown.length - 1];
+      const from = await name(moved_id).boundingBox();
+      const to = await name(shown[0]).boundingBox();
+      await page.mouse.move(from.x + 40, from.y + from.height / 2);
+      await page.mouse.down();
+      await page.mouse.move(to.x + 40, to.y + 8, { steps: 8 });
+      await page.screenshot({ path: `${pictures}track-drag.png` });
+      await page.mouse.move(to.x + 40, to.y + 3, { steps: 3 });
+      await page.mouse.up();
+      await until(page, async () => (await order())[0] === moved_id, 'the moved track');
+      assert.deepEqual((await document_of(page)).characters.map((c) => c.id), before.characters.map((c) => c.id), 'the order of the characters stays');
+      await name(moved_id).focus();
+      await page.keyboard.press('Alt+ArrowDown');
+      await until(page, async () => (await order())[1] === moved_id, 'the track is one lower');
+
+      // groups
+      for (const id of shown.slice(0, 2)) {
+        await name(id).click();
+        const field = page.getByRole('textbox', { name: 'Group' });
+        await field.fill('Walkers');
+        await field.press('Enter');
+        await until(page, async () => (await document_of(page)).characters.find((c) => c.id === id).group === 'Walkers', 'the group');
+      }
+      const group = page.locator('.track.group .track-name');
+      await page.screenshot({ path: `${pictures}track-group.png` });
+      await group.click();
+      await until(page, async () => (await order()).length === shown.length - 2, 'the folded group');
+      assert.equal(await group.getAttribute('aria-expanded'), 'false');
+      await both_themes(page, 'track-folded');
+      await group.click();
+      await undo_to(page, before);
     },
   },
   {
