@@ -41,6 +41,11 @@ const views = [
   ['a search without a result', (page) => page.getByRole('searchbox', { name: 'Search the library' }).fill('xyzzy'), (page) => page.getByRole('searchbox', { name: 'Search the library' }).fill('')],
   ['the command palette', (page) => page.keyboard.press('Control+k'), escape],
   ['the keys', (page) => page.keyboard.press('F1'), escape],
+  ['the tour', async (page) => {
+    await page.keyboard.press('F1');
+    await page.getByRole('button', { name: 'Take the tour' }).click();
+    await page.locator('.tour').waitFor();
+  }, escape],
   ['Save as', (page) => page.keyboard.press('Control+Shift+s'), escape],
 ];
 
@@ -105,6 +110,22 @@ const deep_views = [
     await page.waitForTimeout(400);
     await page.keyboard.press('e');
     await tab(page, 'Scenario');
+  }],
+  ['no stored poses', async (page) => {
+    await page.locator('.track-name').first().click();
+    await tab(page, 'Poses');
+    await page.locator('.poses-empty').first().waitFor();
+  }],
+  ['a stored pose', async (page) => {
+    await page.getByRole('button', { name: 'Store pose', exact: true }).click();
+    await page.getByRole('textbox', { name: 'Name of the pose' }).press('Enter');
+    await page.getByRole('option', { name: 'Pose 1' }).waitFor();
+  }, async (page) => {
+    await page.evaluate('document.activeElement?.blur?.()');
+    await page.keyboard.press('Control+z');
+    await page.locator('.pose-card').waitFor({ state: 'detached' });
+    await page.keyboard.press('e');
+    await tab(page, 'Library');
   }],
   ['naturalness without a simulation', async (page) => {
     await mode(page, 'Edit');
