@@ -2,6 +2,7 @@
 
 #include "ugoki/correction/correct.h"
 
+#include <cmath>
 #include <memory>
 
 #include "motion_files.h"
@@ -48,7 +49,7 @@ void print_report(const CorrectionReport& r) {
   print_line(line);
   if (r.floor_height != 0 || r.floor_tilt != 0)
     print_line("The floor was at " + to_fixed(100 * r.floor_height, 1) + " cm and tilted by " + to_fixed(r.floor_tilt, 2) + " degrees.");
-  if (r.duration_change != 0)
+  if (std::fabs(r.duration_change) >= 0.0005)  // s: less is printed as 0
     print_line("Gravity was wrong in a flight; the duration changed by " + to_fixed(r.duration_change, 3) + " s.");
 }
 
