@@ -55,6 +55,8 @@ export interface StudioState {
   /** Time of the next attempt to connect, as returned by Date.now(), ms. */
   retry_at: number;
   project: ProjectInfo | null;
+  /** Number of projects opened in place of the first one. */
+  opened: number;
   /** Recently opened projects, newest first; the first is the open one. */
   recent: readonly RecentProject[];
   /** The document as the service has it. */
@@ -116,6 +118,7 @@ export const initial_state: StudioState = {
   connection: 'connecting',
   retry_at: 0,
   project: null,
+  opened: 0,
   recent: [],
   document: null,
   preview: null,

@@ -1,6 +1,6 @@
 /** `window.ugoki`: read-only access to the page's state, for the end-to-end tests. */
 import * as THREE from 'three';
-import { assist_force, assist_over_cap, body_weight, centre_of_mass, link_position } from '../core/frames';
+import { assist_force, assist_over_cap, body_weight, centre_of_mass, link_position, state_of } from '../core/frames';
 import { all_bad_spans } from './actions';
 import { circuit, imports, library, parts, poser, session } from './app';
 
@@ -143,7 +143,7 @@ export function expose_hook(): void {
       if (!found) return null;
       const weight = body_weight(found.frame, found.character_frame);
       return {
-        state: found.character_frame.state,
+        state: state_of(found.frame, found.character_frame),
         assist: weight > 0 ? Math.hypot(...assist_force(found.frame, found.character_frame)) / weight : 0,
         over_cap: assist_over_cap(found.frame, found.character_frame),
         com: centre_of_mass(found.frame, found.character_frame),

@@ -197,8 +197,10 @@ function make_environment(sky: { zenith: string; horizon: string } | null, floor
  * Half width of the area around the camera's target in which shadows are drawn, m. @param spheres bounding spheres of all links
  * @param view_distance distance of the camera from its target, m
  */
-export function shadow_reach(spheres: readonly THREE.Sphere[], target: THREE.Vector3, view_distance: number): number {
-  const farthest = spheres.length > 0 ? Math.max(...spheres.map((s) => Math.hypot(s.center.x - target.x, s.center.y - target.y) + s.radius)) : 2.5;
+export function shadow_reach(spheres: Iterable<THREE.Sphere>, target: THREE.Vector3, view_distance: number): number {
+  let farthest = -1;
+  for (const s of spheres) farthest = Math.max(farthest, Math.hypot(s.center.x - target.x, s.center.y - target.y) + s.radius);
+  if (farthest < 0) farthest = 2.5;
   return Math.min(farthest + 0.5, Math.max(2.6, view_distance * 0.85));
 }
 
