@@ -307,7 +307,7 @@ def andrews():
                      "characters": [{"id": "squeezer", "name": "Squeezer", "mechanism": "andrews", "control": {"mode": "passive"}, "color": "#8fb3c4",
                                      "link_colors": {"K1": "#ff8a3d", "K2": "#c9a57b", "K3": "#a7c3a0"}}],
                      "markers": [{"id": "m1", "time": 3.6, "name": "0.03 s"}],
-                     "camera": {"follow": "", "distance": 4.5, "azimuth": -1.57, "elevation": 0.1}},
+                     "camera": {"follow": "", "distance": 4.5, "azimuth": 1.57, "elevation": 0.1}},
         "mechanisms": {"andrews": {"format": "ugoki-mechanism", "version": 1, "name": "Andrews' squeezing mechanism", "links": links, "loops": loops}},
         "circuit": circuit}
 
@@ -450,7 +450,7 @@ def own_controller():
     return {"scenario": {"version": 1, "name": "own LSI", "duration": 14,
                          "characters": [{"id": "cart", "name": "Cart", "mechanism": "cart", "control": {"mode": "passive"}, "color": "#c8ccd4", "link_colors": {"pole": "#ff8a3d", "rail": "#4a5058"}}],
                          "events": [push(1, 4, 6), push(2, 8, -10)],
-                         "camera": {"follow": "", "distance": 4.6, "azimuth": -1.35, "elevation": 0.15}},
+                         "camera": {"follow": "", "distance": 4.6, "azimuth": 1.35, "elevation": 0.15}},
             "mechanisms": {"cart": {"format": "ugoki-mechanism", "version": 1, "name": "cart with a pole", "links": links}},
             "circuit": circuit}
 
@@ -513,8 +513,8 @@ def bar():
 
 def rider():
     sit = {"id": "l1", "name": "Sitting", "mode": "replace", "ease_in": None, "ease_out": None, "joints": [
-        {"link": "rider LeftUpLeg", "keys": [{"time": 0, "value": [0.75, -0.85, 0]}]}, {"link": "rider RightUpLeg", "keys": [{"time": 0, "value": [-0.75, -0.85, 0]}]},
-        {"link": "rider LeftLeg", "keys": [{"time": 0, "value": [1.15]}]}, {"link": "rider RightLeg", "keys": [{"time": 0, "value": [1.15]}]},
+        {"link": "rider LeftUpLeg", "keys": [{"time": 0, "value": [0.85, -0.35, 0]}]}, {"link": "rider RightUpLeg", "keys": [{"time": 0, "value": [-0.85, -0.35, 0]}]},
+        {"link": "rider LeftLeg", "keys": [{"time": 0, "value": [0.6]}]}, {"link": "rider RightLeg", "keys": [{"time": 0, "value": [0.6]}]},
         {"link": "rider LeftArm", "keys": [{"time": 0, "value": [-1.0, 0, -0.5]}]}, {"link": "rider RightArm", "keys": [{"time": 0, "value": [1.0, 0, 0.5]}]},
         {"link": "rider LeftForeArm", "keys": [{"time": 0, "value": [0.9]}]}, {"link": "rider RightForeArm", "keys": [{"time": 0, "value": [0.9]}]}]}
     part = lambda color, *names: {f"rider {n}": color for n in names}
@@ -523,12 +523,12 @@ def rider():
               **part("#23262d", *both("Foot", "ToeBase")), **part("#d8a98a", "Neck", "Head", *both("Hand"))}
     return {"scenario": {
         "version": 1, "name": "rider", "duration": 12,
-        "characters": [{"id": "pair", "name": "Horse and rider", "mechanism": "pair", "color": "#8a6a4a", "link_colors": colors, "track": [walk(1, "trot", 12, layers=[sit])]}],
+        "characters": [{"id": "pair", "name": "Mount and rider", "mechanism": "pair", "color": "#8a6a4a", "link_colors": colors, "track": [walk(1, "trot", 12, layers=[sit])]}],
         "camera": {"follow": "pair", "distance": 6.5, "azimuth": 1.0, "elevation": 0.18}},
-        "mechanisms": {"horse": {"scale": "dog", "factor": 2.1}, "rider": {"person": 1.5},
-                       "pair": {"combine": "horse", "at": "Chest", "with": "rider", "to": "Hips", "joint": "fixed", "position": [-0.1, 0, 0.4], "name": "horse and rider", "prefix": "rider "}},
-        "motions": {"horse-trot": {"operation": "retarget", "motion": "dog-trot", "of": "dog", "for": "horse"},
-                    "trot": {"still": "pair", "with": "horse-trot", "of": "horse", "name": "Trot with rider"}}}
+        "mechanisms": {"mount": {"scale": "dog", "factor": 2.1}, "rider": {"person": 1.5},
+                       "pair": {"combine": "mount", "at": "Chest", "with": "rider", "to": "Hips", "joint": "fixed", "position": [-0.1, 0, 0.54], "name": "mount and rider", "prefix": "rider "}},
+        "motions": {"mount-trot": {"operation": "retarget", "motion": "dog-trot", "of": "dog", "for": "mount"},
+                    "trot": {"still": "pair", "with": "mount-trot", "of": "mount", "name": "Trot with rider"}}}
 
 
 def retargeting():
@@ -611,7 +611,7 @@ def fmu():
     return {"scenario": {"version": 1, "name": "FMU inside", "duration": 20,
                          "characters": [{"id": "pendulums", "name": "Pendulums", "mechanism": "pendulums", "control": {"mode": "passive"}, "color": "#8fb3c4", "link_colors": {"driven": "#ff8a3d", "stand": "#4a5058"}}],
                          "events": [{"id": "push1", "type": "push", "time": 1, "duration": 0.2, "character": "pendulums", "link": "free", "force": [25, 0, 0]}],
-                         "camera": {"follow": "", "distance": 4.5, "azimuth": -1.2, "elevation": 0.1}},
+                         "camera": {"follow": "", "distance": 4.5, "azimuth": 1.2, "elevation": 0.1}},
             "mechanisms": {"pendulums": {"format": "ugoki-mechanism", "version": 1, "name": "two pendulums", "links": [stand, bob("driven", -0.25), bob("free", 0.25)]}},
             "circuit": circuit}
 

@@ -15,8 +15,11 @@ const wanted = process.argv.slice(2);
 const service = await start_service();
 const browser = await launch();
 try {
-  const page = await browser.newPage({ viewport: { width: 960, height: 640 } });
-  await page.addInitScript(() => localStorage.setItem('ugoki.tour', 'done'));
+  const page = await browser.newPage({ viewport: { width: 1280, height: 760 } });
+  await page.addInitScript(() => {
+    localStorage.setItem('ugoki.tour', 'done');
+    localStorage.setItem('ugoki.draft', 'on'); // saved pictures are not drafts
+  });
   page.setDefaultTimeout(300000);
   await page.goto(service.address, { timeout: 300000 });
   await ready(page, 300000);
@@ -27,8 +30,10 @@ try {
     await page.locator(`[data-entry="${id}"]`).click();
     await page.getByRole('button', { name: 'Create' }).click();
     await page.locator('.gallery').waitFor({ state: 'detached' });
+    while ((await page.evaluate('window.ugoki.frame()')) === null) await page.waitForTimeout(50);
     await page.getByRole('radio', { name: 'Simulate' }).click();
-    await page.getByRole('button', { name: 'Play' }).click();
+    while ((await page.evaluate('window.ugoki.transport().mode')) !== 'simulate') await page.waitForTimeout(50);
+    await page.getByRole('button', { name: 'Play', exact: true }).click();
     while ((await page.evaluate('window.ugoki.frame()?.time ?? 0')) < time) await page.waitForTimeout(20);
     await page.getByRole('button', { name: 'Pause' }).click();
     await page.locator('.ruler').focus();

@@ -402,22 +402,22 @@ export class Viewport {
     if (!this.dirty) {
       // slow machines draw frames at reduced resolution while something moves; 180 ms after the last motion one frame is drawn at full
       // resolution
-      if (!this.drawn_still && now - this.still_since > 180) this.draw(frame, true);
+      if (!this.drawn_still && now - this.still_since > 180) this.draw(frame, true, this.session.state.view.draft);
       return;
     }
     if (this.still_since > 0 && now - this.still_since < 200) this.stage.note_frame_time(dt * 1000);
     this.still_since = now;
     this.dirty = false;
-    this.draw(frame, false);
+    this.draw(frame, false, this.session.state.view.draft);
   };
 
-  private draw(frame: Frame | null, still: boolean): void {
+  private draw(frame: Frame | null, still: boolean, draft = false): void {
     this.drawn_still = still;
     this.draw_overlays(frame);
     for (const listener of this.drawing_listeners) listener();
     const { target, distance } = this.rig.current;
     this.stage.focus(target, shadow_reach(this.each_sphere(), target, distance), distance);
-    this.stage.render(this.rig.camera, still);
+    this.stage.render(this.rig.camera, still, draft);
     this.pictures++;
     if (!this.framed_once && frame && this.drawn.size > 0 && this.drawn.size >= (this.session.state.document?.characters.length ?? 0)) this.first_view();
     for (const listener of this.listeners) listener(this);
