@@ -4,10 +4,10 @@
 #include <memory>
 
 #include "output.h"
-#include "ugoki/content/content_file.h"
 #include "ugoki/files/files.h"
 #include "ugoki/project/project.h"
 #include "ugoki/samples/samples.h"
+#include "ugoki/studio/content_recipes.h"
 #include "verb.h"
 
 namespace ugoki::cli {
@@ -24,7 +24,7 @@ int run_new(const Options& options) {
   if (!options.from.empty()) {
     const Result<std::string> text = files::read_file(options.from);
     if (!text) return print_error(text.error(), options.json);
-    Result<content::ContentText> read = content::read_content(*text, options.from);
+    Result<content::ContentText> read = studio::make_content(*text, options.from);
     if (!read) return print_error(read.error(), options.json);
     scenario = std::move(read->scenario);
     resources = std::move(read->resources);
@@ -61,7 +61,7 @@ void add_new_verb(CLI::App& app, Action& action) {
   verb->add_option("project", options->path, "The file to create, *.ugoki")->required();
   verb->add_option("--name", options->name, "Name of the content");
   auto* empty = verb->add_flag("--empty", options->empty, "Without the sample content");
-  verb->add_option("--from", options->from, "JSON file with scenario and mechanisms, for example from the folder examples/content")
+  verb->add_option("--from", options->from, "JSON file with a scenario, mechanisms and motions, for example from the folder examples/content")
       ->excludes(empty);
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki new park.ugoki");

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "ugoki/mechanism/state.h"
@@ -96,6 +98,26 @@ MotionEdit long_walk(const std::string& operation, Json options = Json::object()
   edit.target.motion = std::make_shared<const Motion>(strides.motion);
   edit.target.clip = strides.clip;
   return edit;
+}
+
+TEST(MotionEdits, CorrectionRemovesSlidingAndStrengthScalesIt) {
+  MotionEdit edit = make_edit("correct", {{"percent", 100}});
+  Motion sliding = *cast().walk;  // the root moves 10 % slower than the steps, so that standing feet slide
+  for (int f = 0; f < sliding.frames; ++f) sliding.frame(f)[0] -= 0.1 * (cast().walk->frame(f)[0] - cast().walk->frame(0)[0]);
+  sliding.cyclic = false;
+  edit.target.motion = std::make_shared<const Motion>(sliding);
+  const EditedMotion all = run(edit);
+  EXPECT_EQ(all.label, "Correct the physics");
+  const auto slide = std::ranges::find_if(all.report, [](const std::string& line) { return line.starts_with("Sliding"); });
+  ASSERT_NE(slide, all.report.end());
+  double before = 0, after = 0;
+  ASSERT_EQ(std::sscanf(slide->c_str(), "Sliding of standing feet: %lf before, %lf after", &before, &after), 2) << *slide;
+  EXPECT_GT(before, 1) << "cm";
+  EXPECT_LT(after, 0.2 * before) << "cm";
+  edit.options = {{"percent", 0}};
+  EXPECT_LT(max_difference(run(edit).motion, sliding), 1e-9) << "strength 0 keeps the motion";
+  edit.options = {{"percent", 101}};
+  EXPECT_FALSE(edit_motion(edit));
 }
 
 TEST(MotionEdits, TrimKeepsShownMotion) {

@@ -6,16 +6,23 @@ import { launch, ready } from '../e2e/browser.mjs';
 import { start_service } from '../e2e/service.mjs';
 
 /** Time (s) of the picture of each content. */
-const times = { park: 3.2, 'push-test': 5.25, parade: 1.4, 'rag-dolls': 0.7, dominoes: 1.6, tower: 1.2, chain: 1.1 };
+const times = {
+  park: 3.2, 'push-test': 5.25, bar: 2.6, rider: 1.2, jansen: 1, andrews: 3.2, 'five-bar': 1, band: 0.3, retargeting: 1.2, natural: 1.5, 'own-lsi': 4.3, fmu: 3.4, game: 0.3,
+  'rag-dolls': 0.7, dominoes: 1.6, tower: 1.2, chain: 1.1,
+};
 const wanted = process.argv.slice(2);
 
 const service = await start_service();
 const browser = await launch();
 try {
-  const page = await browser.newPage({ viewport: { width: 1280, height: 900 } });
-  await page.addInitScript(() => localStorage.setItem('ugoki.tour', 'done'));
-  await page.goto(service.address, { timeout: 60000 });
-  await ready(page);
+  const page = await browser.newPage({ viewport: { width: 1280, height: 760 } });
+  await page.addInitScript(() => {
+    localStorage.setItem('ugoki.tour', 'done');
+    localStorage.setItem('ugoki.draft', 'on'); // saved pictures are not drafts
+  });
+  page.setDefaultTimeout(300000);
+  await page.goto(service.address, { timeout: 300000 });
+  await ready(page, 300000);
   for (const [id, time] of Object.entries(times)) {
     if (wanted.length > 0 && !wanted.includes(id)) continue;
     await page.locator('button.project').click();
@@ -23,8 +30,10 @@ try {
     await page.locator(`[data-entry="${id}"]`).click();
     await page.getByRole('button', { name: 'Create' }).click();
     await page.locator('.gallery').waitFor({ state: 'detached' });
+    while ((await page.evaluate('window.ugoki.frame()')) === null) await page.waitForTimeout(50);
     await page.getByRole('radio', { name: 'Simulate' }).click();
-    await page.getByRole('button', { name: 'Play' }).click();
+    while ((await page.evaluate('window.ugoki.transport().mode')) !== 'simulate') await page.waitForTimeout(50);
+    await page.getByRole('button', { name: 'Play', exact: true }).click();
     while ((await page.evaluate('window.ugoki.frame()?.time ?? 0')) < time) await page.waitForTimeout(20);
     await page.getByRole('button', { name: 'Pause' }).click();
     await page.locator('.ruler').focus();

@@ -335,7 +335,7 @@ export const editor_journeys = [
         assert.ok(characters.length > 0, id);
         await set_mode(page, 'Simulate');
         await page.keyboard.press('Space');
-        await until(page, async () => (await hook(page, 'transport()')).simulated > 0.2, `the simulation of ${id}`, 180000);
+        await until(page, async () => (await hook(page, 'transport()')).simulated > (id === 'band' ? 0.01 : 0.1), `the simulation of ${id}`, 180000);
         await page.getByRole('button', { name: 'Pause' }).click();
         assert.equal(await page.locator('.banner').count(), 0, `${id} runs`);
       }

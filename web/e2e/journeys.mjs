@@ -14,6 +14,7 @@ import { repair_journeys } from './repairs.mjs';
 import { posing_journeys } from './posing.mjs';
 import { timeline_journeys } from './timeline.mjs';
 import { look_journeys } from './looks.mjs';
+import { request_journeys } from './requests.mjs';
 import { rule_journeys } from './rules.mjs';
 import { library_journeys } from './library.mjs';
 import { motion_journeys } from './motion.mjs';
@@ -454,6 +455,7 @@ export const journeys = [
       await other.close();
     },
   },
+  ...request_journeys,
   ...accessibility_journeys,
   ...repair_journeys,
   ...editor_journeys,

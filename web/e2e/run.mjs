@@ -1,6 +1,8 @@
 // npm run e2e [-- words]: runs the first journey and those whose names contain the words; prints one line for each and the counts.
 // A journey that fails runs a second time in the restored studio, because a busy machine can miss a time limit; its line names the first failure.
-// Environment: UGOKI_BIN, UGOKI_CHROMIUM, UGOKI_MOCK=1.
+// The viewport is drawn at a low resolution, because Chromium draws with the processor; with UGOKI_PICTURES=1 at full resolution, for people
+// who look at the pictures in out/.
+// Environment: UGOKI_BIN, UGOKI_CHROMIUM, UGOKI_MOCK=1, UGOKI_PICTURES=1.
 import { launch } from './browser.mjs';
 import { journeys as all } from './journeys.mjs';
 import { available, program, start_service } from './service.mjs';
@@ -69,10 +71,12 @@ async function main() {
   const browser = await launch();
   try {
     const page = await browser.newPage({ viewport: { width: 1440, height: 900 } });
-    await page.addInitScript(() => {
+    await page.addInitScript((draft) => {
       // pages without an address of their own have no storage
-      if (location.protocol.startsWith('http')) localStorage.setItem('ugoki.tour', 'done');
-    });
+      if (!location.protocol.startsWith('http')) return;
+      localStorage.setItem('ugoki.tour', 'done');
+      if (draft) localStorage.setItem('ugoki.draft', 'on');
+    }, process.env.UGOKI_PICTURES !== '1');
     const seen = { requests: [], errors: [] };
     page.on('request', (r) => seen.requests.push(r.url()));
     page.on('pageerror', (e) => seen.errors.push(e.message));
@@ -89,9 +93,10 @@ async function main() {
         continue;
       }
       const before = passed + failed > 0 ? await document_of(page).catch(() => null) : null;
+      const began = Date.now();
       try {
         const first = await attempt(journey, { page, service, seen, memory }, before);
-        console.log(`ok ${journey.name}${first ? ` at the second attempt; the first: ${String(first.message ?? first).split('\n')[0]}` : ''}`);
+        console.log(`ok ${journey.name} (${((Date.now() - began) / 1000).toFixed(1)} s)${first ? ` at the second attempt; the first: ${String(first.message ?? first).split('\n')[0]}` : ''}`);
         passed++;
       } catch (error) {
         console.log(`not ok ${journey.name}\n  ${indented(error)}`);

@@ -14,8 +14,8 @@ const web = process.env.UGOKI_WEB ?? join(here, '../dist');
 
 export const available = mock || existsSync(program);
 
-/** Starts the service and waits for the address that it prints. */
-export async function start_service() {
+/** Starts the service and waits for the address that it prints. @param content file with the content of the project; absent: the sample content */
+export async function start_service(content) {
   const folder = mkdtempSync(join(tmpdir(), 'ugoki-e2e-'));
   const env = { ...process.env, HOME: folder, XDG_DATA_HOME: join(folder, 'data'), XDG_CACHE_HOME: join(folder, 'cache'), XDG_CONFIG_HOME: join(folder, 'config'), XDG_STATE_HOME: join(folder, 'state') };
   let child;
@@ -23,7 +23,7 @@ export async function start_service() {
   if (mock) child = spawn(process.execPath, [join(here, '../dev/mock-server.mjs'), '0'], { env, cwd: folder });
   else {
     const project = join(folder, 'sample.ugoki');
-    const made = spawnSync(program, ['new', project], { env, cwd: folder, encoding: 'utf8' });
+    const made = spawnSync(program, ['new', project, ...(content ? ['--from', content] : [])], { env, cwd: folder, encoding: 'utf8' });
     if (made.status !== 0) throw new Error(`ugoki new ended with ${made.status}: ${made.stderr}${made.stdout}`);
     start = (port) => spawn(program, ['studio', project, '--port', port, '--no-open', '--web', web, '--library', join(folder, 'library.db')], { env, cwd: folder });
     child = start('0');
@@ -65,6 +65,7 @@ export async function start_service() {
       return printed_address();
     },
     output: () => output,
+    pid: () => child.pid,
     /** Whether the program has ended. */
     ended: () => child.exitCode !== null || child.signalCode !== null,
     stop: () =>

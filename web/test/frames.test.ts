@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { assist_force, assist_over_cap, body_weight, centre_of_mass, decode_frame, FrameRing, frame_magic, link_position, type Frame } from '../src/core/frames';
+import { assist_force, assist_over_cap, body_weight, centre_of_mass, decode_frame, FrameRing, frame_magic, link_position, state_of, type Frame } from '../src/core/frames';
 
 /** Bytes of a frame, written according to the table in docs/studio-protocol.md, independently of the decoder. */
 function make_bytes(options: { time?: number; number?: number; flags?: number; links?: number[]; contacts?: number; version?: number; magic?: number } = {}): ArrayBuffer {
@@ -43,7 +43,7 @@ describe('decode_frame', () => {
   it('reads every field', () => {
     const frame = decode(make_bytes({ flags: 1 | 2 | 8 }));
     expect(frame).toMatchObject({ time: 1.5, number: 90, playing: true, simulate: true, live: false, grabbing: true, contact_count: 1 });
-    expect(frame.characters.map((f) => [f.links, f.state])).toEqual([[2, 0], [1, 1]]);
+    expect(frame.characters.map((f) => [f.links, state_of(frame, f)])).toEqual([[2, 0], [1, 1]]);
     const second = frame.characters[1]!;
     expect(assist_force(frame, second)).toEqual([20, 21, 22]);
     expect(assist_over_cap(frame, second)).toBe(26);
@@ -53,6 +53,16 @@ describe('decode_frame', () => {
     expect([...frame.floats.slice(frame.grab, frame.grab + 3)]).toEqual([100, 101, 102]);
     expect([...frame.floats.slice(frame.contacts, frame.contacts + 6)]).toEqual([7, 8, 9, 10, 11, 12]);
     expect(frame.words[frame.contacts + 6]).toBe(1);
+  });
+
+  it('frames with equal numbers of links share their layout, others do not', () => {
+    const first = decode(make_bytes());
+    expect(decode(make_bytes({ contacts: 3 })).characters).toBe(first.characters);
+    const other = decode(make_bytes({ links: [1, 2] }));
+    expect(other.characters.map((f) => f.links)).toEqual([1, 2]);
+    expect(centre_of_mass(other, other.characters[1]!)).toEqual([28, 29, 30]);
+    expect(first.characters.map((f) => f.links)).toEqual([2, 1]);
+    expect(decode_frame(make_bytes({ links: [1, 2] }).slice(0, 200))).toMatch(/ends in/);
   });
 
   it('reads a frame without characters', () => {

@@ -1,3 +1,4 @@
+import { existsSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { apply_command, find_clip, find_event, is_left_out, type Command, type ScenarioDocument } from '../src/core/document';
 import { add_items, all_items, describe_items, duplicate_items, items_of, items_span, move_items, remove_items, selection_of, toggle_item, type Item } from '../src/core/items';
@@ -119,7 +120,13 @@ describe('the gallery', () => {
     expect(new Set(gallery.map((g) => g.id)).size).toBe(gallery.length);
     for (const entry of gallery) expect(entry.teaches).toMatch(/^[A-Z][^.?]*[.?]$/);
   });
-  it('loads contents with scenario and mechanisms', async () => {
-    for (const entry of gallery) if (typeof entry.from === 'function') expect(await entry.from()).toMatchObject({ scenario: { version: 1 }, mechanisms: {} });
+  it('loads contents with characters, and has a picture of each', async () => {
+    for (const entry of gallery) {
+      if (entry.id !== 'empty') expect(existsSync(new URL(`../public/gallery/${entry.id}.webp`, import.meta.url)), entry.id).toBe(true);
+      if (typeof entry.from !== 'function') continue;
+      const { scenario } = (await entry.from()) as { scenario: { version: number; characters: object[] } };
+      expect(scenario.version).toBe(1);
+      expect(scenario.characters.length, entry.id).toBeGreaterThan(0);
+    }
   });
 });

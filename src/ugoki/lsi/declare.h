@@ -57,6 +57,7 @@ void add_maths(circuit::Library& library);
 void add_rotations_and_poses(circuit::Library& library);
 void add_mechanics(circuit::Library& library);
 void add_link_dynamics(circuit::Library& library);
+void add_motor(circuit::Library& library);
 void add_distance(circuit::Library& library);
 
 }  // namespace ugoki::lsi

@@ -31,6 +31,7 @@ const circuit::Library& standard_library() {
     add_rotations_and_poses(all);
     add_mechanics(all);
     add_link_dynamics(all);
+    add_motor(all);
     add_distance(all);
     return all;
   }();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ugoki/base/number.h"
+#include "ugoki/correction/correct.h"
 #include "ugoki/json/fields.h"
 #include "ugoki/motion/clip.h"
 #include "ugoki/motion_edit/curves.h"
@@ -303,6 +304,41 @@ class Operation {
     return set_motion(std::move(made->motion), "for " + e_.body->name());
   }
 
+  /// Physics correction (correction/correct.h).
+  Result<void> correct() {
+    out_.label = "Correct the physics";
+    correction::CorrectOptions o;
+    double percent = 100;
+    bool find_floor = true, keep_duration = false;
+    f_.number("percent", percent);
+    f_.boolean("find_floor", find_floor);
+    f_.boolean("keep_duration", keep_duration);
+    if (!(percent >= 0 && percent <= 100))
+      f_.report(ErrorCode::range, f_.path("percent"), "It must be from 0 to 100.", "100 is the complete correction.");
+    if (Result<void> valid = check_options(); !valid) return valid;
+    o.strength = percent / 100;
+    o.level_floor = find_floor;
+    o.keep_duration = keep_duration;
+    o.progress = [flag = e_.cancelled](double) { return flag == nullptr || !*flag; };
+    const Result<Motion> part = section();
+    if (!part) return fail(part.error());
+    correction::CorrectionReport r;
+    Result<Motion> made = correction::correct_motion(m_, *part, o, &r);
+    if (!made) return fail(std::move(made.error()));
+    const auto change = [&](const char* what, double before, double after, int digits, const char* unit) {
+      report(std::string(what) + ": " + to_fixed(before, digits) + " before, " + to_fixed(after, digits) + " after" + unit + ".");
+    };
+    change("Sliding of standing feet", r.before.skate_cm, r.after.skate_cm, 2, " cm");
+    change("Depth in the ground", r.before.penetration_mm, r.after.penetration_mm, 1, " mm");
+    change("Force that the ground cannot supply", r.before.residual_bw, r.after.residual_bw, 3, " body weights");
+    if (r.flights > 0) change("Error of gravity in flights", r.before.flight_g, r.after.flight_g, 3, " g");
+    change("Jerk", r.before.jerk, r.after.jerk, 2, " thousand rad/s³");
+    report("Joints changed by " + to_fixed(r.change_deg, 1) + "° rms, the root by " + to_fixed(r.root_move_cm, 1) + " cm rms.");
+    const bool looped = out_.clip.loop && made->cyclic;
+    if (!looped) play_once(made);
+    return set_motion(std::move(made), "corrected");
+  }
+
   EditedMotion finish() {
     const double max_length =
         out_.motion.duration() > 0 && !out_.clip.loop ? (out_.motion.duration() - out_.clip.offset) / out_.clip.speed : 1e9;
@@ -446,7 +482,7 @@ struct Kind {
   Needs needs;
   Result<void> (Operation::*run)();
 };
-constexpr std::array<Kind, 16> kinds = {{{"trim", Needs::nothing, &Operation::trim},
+constexpr std::array<Kind, 17> kinds = {{{"trim", Needs::nothing, &Operation::trim},
                                          {"join", Needs::next_clip, &Operation::join},
                                          {"cycle", Needs::nothing, &Operation::cycle},
                                          {"warp", Needs::nothing, &Operation::warp},
@@ -461,6 +497,7 @@ constexpr std::array<Kind, 16> kinds = {{{"trim", Needs::nothing, &Operation::tr
                                          {"contacts", Needs::nothing, &Operation::contacts},
                                          {"lock", Needs::nothing, &Operation::lock},
                                          {"reduce", Needs::nothing, &Operation::reduce},
+                                         {"correct", Needs::nothing, &Operation::correct},
                                          {"retarget", Needs::body, &Operation::retarget}}};
 
 Result<Kind> kind_of(std::string_view operation) {

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <utility>
 
-#include "ugoki/content/content_file.h"
 #include "ugoki/files/files.h"
 #include "ugoki/samples/samples.h"
+#include "ugoki/studio/content_recipes.h"
 #include "ugoki/studio/session_request.h"
 
 namespace ugoki::studio {
@@ -52,7 +52,7 @@ std::vector<std::string> read_list(const std::string& path) {
   return list;
 }
 
-Result<content::ContentText> make_content(const Json& from) {
+Result<content::ContentText> content_of(const Json& from) {
   if (from == "empty") return content::ContentText{};
   if (from == "sample") {
     samples::Sample sample = samples::make_sample();
@@ -60,7 +60,7 @@ Result<content::ContentText> make_content(const Json& from) {
     if (!document) return fail(std::move(document.error()));
     return content::ContentText{std::move(*document), std::move(sample.resources)};
   }
-  return content::read_content(json::to_text(from), "from");
+  return make_content(json::to_text(from), "from");
 }
 
 }  // namespace
@@ -98,8 +98,8 @@ Result<std::string> Session::new_project(const Request& request) {
   const auto from = request.json.find("from");
   if (!request.has_path("path")) return Request::invalid_field("path", "the path of the new project");
   if (from == request.json.end() || (*from != "empty" && *from != "sample" && !from->is_object()))
-    return Request::invalid_field("from", R"("empty", "sample" or an object with scenario and mechanisms)");
-  Result<content::ContentText> made = make_content(*from);
+    return Request::invalid_field("from", R"("empty", "sample" or an object with a scenario)");
+  Result<content::ContentText> made = content_of(*from);
   if (!made) return fail(std::move(made.error()));
   const fs::path to = free_path(named_path(request.json["path"].get<std::string>(), project_.path()));
   if (Result<void> good = check_name(to); !good) return fail(std::move(good.error()));

@@ -21,14 +21,16 @@ export const enum CharacterState {
   edit = 3,
 }
 
-/** One character of a frame. Offsets are indices into `Frame.floats`. */
+/**
+ * Where the values of one character are in a frame. Offsets are indices into `Frame.floats`. Consecutive frames with the same numbers of links
+ * share these objects.
+ */
 export interface CharacterFrame {
-  links: number;
-  state: CharacterState;
+  readonly links: number;
   /** Index of the first link pose. Each link has 7 floats: position xyz (m), quaternion wxyz. */
-  poses: number;
+  readonly poses: number;
   /** Index of the first value: assist force xyz (N), assist moment xyz (N m), assist / cap, body weight (N), centre of mass xyz (m). */
-  data: number;
+  readonly data: number;
 }
 
 /** A decoded frame. `floats` and `words` are views of the message's bytes; nothing is copied. */
@@ -41,7 +43,7 @@ export interface Frame {
   simulate: boolean;
   live: boolean;
   grabbing: boolean;
-  characters: CharacterFrame[];
+  characters: readonly CharacterFrame[];
   floats: Float32Array;
   words: Uint32Array;
   /** Index of the grabbed point xyz (m), followed by its target xyz (m). */
@@ -54,6 +56,16 @@ export interface Frame {
   /** Index of the first closest pair, 8 values each: point on a xyz, point on b xyz (m), distance (m), characters a << 16 | b (word). */
   closest: number;
   closest_count: number;
+}
+
+/** The layout of the last decoded frame. */
+let last_layout: readonly CharacterFrame[] = [];
+
+/** Whether the frame has the characters of `last_layout`. */
+function has_last_layout(words: Uint32Array, count: number): boolean {
+  if (count !== last_layout.length) return false;
+  for (const character of last_layout) if (character.poses + character.links * pose_floats > words.length || words[character.data - 2] !== character.links) return false;
+  return true;
 }
 
 /** Decodes one binary message. @return the frame, or a sentence that states why the message is not a valid frame */
@@ -69,17 +81,22 @@ export function decode_frame(buffer: ArrayBuffer): Frame | string {
   const contact_count = view.getUint32(28, true);
   const words = new Uint32Array(buffer);
   const floats = new Float32Array(buffer);
-  const characters: CharacterFrame[] = [];
   let at = header_bytes / 4;
-  for (let i = 0; i < character_count; i++) {
-    if (at + character_floats > floats.length) return `The frame ends in character ${i} of ${character_count}.`;
-    const links = words[at]!;
-    const state = words[at + 1]! as CharacterState;
-    const poses = at + character_floats;
-    const next = poses + links * pose_floats;
-    if (next > floats.length) return `The frame ends in the poses of character ${i} of ${character_count}.`;
-    characters.push({ links, state, data: at + 2, poses });
-    at = next;
+  if (has_last_layout(words, character_count)) {
+    const last = last_layout.at(-1);
+    if (last) at = last.poses + last.links * pose_floats;
+  } else {
+    const characters: CharacterFrame[] = [];
+    for (let i = 0; i < character_count; i++) {
+      if (at + character_floats > floats.length) return `The frame ends in character ${i} of ${character_count}.`;
+      const links = words[at]!;
+      const poses = at + character_floats;
+      const next = poses + links * pose_floats;
+      if (next > floats.length) return `The frame ends in the poses of character ${i} of ${character_count}.`;
+      characters.push({ links, data: at + 2, poses });
+      at = next;
+    }
+    last_layout = characters;
   }
   const contacts = at;
   const closest_count = view.getUint32(56, true);
@@ -96,7 +113,7 @@ export function decode_frame(buffer: ArrayBuffer): Frame | string {
     simulate: (flags & 2) !== 0,
     live: (flags & 4) !== 0,
     grabbing: (flags & 8) !== 0,
-    characters,
+    characters: last_layout,
     floats,
     words,
     grab: 8,
@@ -110,6 +127,7 @@ export function decode_frame(buffer: ArrayBuffer): Frame | string {
 
 // Accessors that hide the layout of a character's data from the readers of a frame.
 
+export const state_of = (frame: Frame, character: CharacterFrame): CharacterState => frame.words[character.data - 1] as CharacterState;
 /** Root-assist force on a character, world frame, N. */
 export const assist_force = (frame: Frame, character: CharacterFrame): [number, number, number] => [
   frame.floats[character.data]!,
@@ -133,33 +151,52 @@ export function link_position(frame: Frame, character: CharacterFrame, link: num
 }
 
 /**
- * The latest frames by frame number, read by ghosts, trails and curves. It keeps at most `capacity` frames and drops the frame that was
- * received first. It is cleared when the document or the mode changes, because its frames then no longer match what would play.
+ * The latest frames by frame number, read by ghosts, trails and curves. It keeps at most `capacity` frames and `max_bytes` bytes, and drops
+ * the frames that were received first. It is cleared when the document or the mode changes, because its frames then no longer match what would play.
  */
 export class FrameRing {
   private readonly by_number = new Map<number, Frame>();
   private readonly listeners = new Set<(frame: Frame) => void>();
   latest: Frame | null = null;
   received = 0;
+  private bytes = 0;
 
-  constructor(private readonly capacity = 2400) {}
+  constructor(private readonly capacity = 2400, private readonly max_bytes = 64 * 1024 * 1024) {}
 
   push(frame: Frame): void {
-    if (this.latest && this.latest.simulate !== frame.simulate) this.by_number.clear();
-    this.by_number.delete(frame.number);
+    if (this.latest && this.latest.simulate !== frame.simulate) this.drop_all();
+    this.drop(frame.number);
     this.by_number.set(frame.number, frame);
-    if (this.by_number.size > this.capacity) {
-      const oldest = this.by_number.keys().next();
-      if (!oldest.done) this.by_number.delete(oldest.value);
-    }
+    this.bytes += frame.floats.byteLength;
+    while (this.by_number.size > 1 && (this.by_number.size > this.capacity || this.bytes > this.max_bytes)) this.drop(this.by_number.keys().next().value!);
     this.latest = frame;
     this.received++;
     for (const listener of this.listeners) listener(frame);
   }
 
   clear(): void {
+    this.drop_all();
+    if (!this.latest) return;
+    this.by_number.set(this.latest.number, this.latest);
+    this.bytes = this.latest.floats.byteLength;
+  }
+
+  /** Forgets all frames: they belong to another project. */
+  reset(): void {
+    this.latest = null;
+    this.drop_all();
+  }
+
+  private drop_all(): void {
     this.by_number.clear();
-    if (this.latest) this.by_number.set(this.latest.number, this.latest);
+    this.bytes = 0;
+  }
+
+  private drop(number: number): void {
+    const frame = this.by_number.get(number);
+    if (!frame) return;
+    this.by_number.delete(number);
+    this.bytes -= frame.floats.byteLength;
   }
 
   at(number: number): Frame | undefined {

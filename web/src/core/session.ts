@@ -184,12 +184,11 @@ export class Session {
 
   /**
    * Creates a project and opens it. An existing file is not replaced: the service appends a number to the name.
-   * @param commands changes of the new project @return whether the new project is open
+   * @return whether the new project is open
    */
-  async create(path: string, from: 'empty' | 'sample' | object, commands: readonly Command[] = []): Promise<boolean> {
+  async create(path: string, from: 'empty' | 'sample' | object): Promise<boolean> {
     const reply = await this.request({ op: 'new', path, from });
     if (!reply) return false;
-    for (const command of commands) await this.request({ op: 'command', command });
     this.notify(`Created ${String(reply.path).split('/').pop()}`);
     return true;
   }
@@ -552,7 +551,8 @@ export class Session {
         this.set({ measures: this.state.measures.after(event) });
         break;
       case 'opened':
-        this.set({ summary: initial_state.summary, measures: initial_state.measures, recorded: null, selection: { kind: 'none' }, dialog: 'none' });
+        this.frames.reset();
+        this.set({ opened: this.state.opened + 1, summary: initial_state.summary, measures: initial_state.measures, recorded: null, selection: { kind: 'none' }, dialog: 'none' });
         this.on_opened();
         void this.request({ op: 'hello' }).then((hello) => hello && this.connected(hello as unknown as HelloReply));
         break;

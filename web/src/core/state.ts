@@ -29,6 +29,9 @@ export interface Toast {
   problems: Problem[];
 }
 
+/** Key under which a browser keeps ViewOptions.draft: 'on' or 'off'. */
+export const draft_key = 'ugoki.draft';
+
 export interface ViewOptions {
   perspective: boolean;
   ghosts: boolean;
@@ -42,6 +45,8 @@ export interface ViewOptions {
   assist: boolean;
   /** The safe areas of the picture are drawn while the view is that of a camera of the document. */
   safe: boolean;
+  /** The viewport is drawn at a lower resolution, for machines without a graphics processor. Saved pictures keep their resolution. */
+  draft: boolean;
 }
 
 export interface LoggedLine extends LogLine {
@@ -55,6 +60,8 @@ export interface StudioState {
   /** Time of the next attempt to connect, as returned by Date.now(), ms. */
   retry_at: number;
   project: ProjectInfo | null;
+  /** Number of projects opened in place of the first one. */
+  opened: number;
   /** Recently opened projects, newest first; the first is the open one. */
   recent: readonly RecentProject[];
   /** The document as the service has it. */
@@ -116,6 +123,7 @@ export const initial_state: StudioState = {
   connection: 'connecting',
   retry_at: 0,
   project: null,
+  opened: 0,
   recent: [],
   document: null,
   preview: null,
@@ -140,7 +148,7 @@ export const initial_state: StudioState = {
   library_revision: 0,
   mechanisms: {},
   selection: { kind: 'none' },
-  view: { perspective: true, ghosts: false, trail: false, contacts: false, closest: false, shapes: false, follow: false, assist: true, safe: true },
+  view: { perspective: true, ghosts: false, trail: false, contacts: false, closest: false, shapes: false, follow: false, assist: true, safe: true, draft: false },
   keymap: 'industry',
   theme: 'dark',
   toasts: [],

@@ -3,7 +3,7 @@
  * is played), `autoplay`, `theme` (dark, light), `tool` (pull, push), `controls="none"`. docs/export.md describes its methods and events.
  */
 import { format_time } from '../core/format';
-import { assist_force, assist_over_cap, body_weight, CharacterState } from '../core/frames';
+import { assist_force, assist_over_cap, body_weight, CharacterState, state_of } from '../core/frames';
 import { describe_devices, PlayControls, reads_anything } from '../core/play_controls';
 import type { Vec3 } from '../core/protocol';
 import type { Engine, RecordedInput, Scene } from './engine';
@@ -221,7 +221,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
         name: c.name,
         centre_of_mass: [f[at.data + 8]!, f[at.data + 9]!, f[at.data + 10]!],
         assist: weight > 0 ? Math.hypot(...assist_force(frame, at)) / weight : 0,
-        state: at.state === CharacterState.tracking ? 'tracking' : at.state === CharacterState.released ? 'released' : 'passive',
+        state: state_of(frame, at) === CharacterState.tracking ? 'tracking' : state_of(frame, at) === CharacterState.released ? 'released' : 'passive',
       };
     });
   }
@@ -393,7 +393,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     engine.scene.characters.forEach((c, i) => {
       const at = frame.characters[i];
       if (!c.tracks || !at || lines.length >= 4) return;
-      const released = at.state === CharacterState.released;
+      const released = state_of(frame, at) === CharacterState.released;
       const weight = body_weight(frame, at);
       const share = weight > 0 ? Math.hypot(...assist_force(frame, at)) / weight : 0;
       const over = assist_over_cap(frame, at);

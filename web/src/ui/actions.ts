@@ -6,7 +6,7 @@ import { all_items, duplicate_items, remove_items, selection_of } from '../core/
 import { next_span, timed_measures, type BadSpan } from '../core/measures';
 import type { AppCommand } from '../core/commands';
 import { character_for_rule, new_condition, type Rule } from '../core/rules';
-import { selected_character } from '../core/state';
+import { draft_key, selected_character } from '../core/state';
 import { reads_anything } from '../core/play_controls';
 import type { StudioState, ViewOptions } from '../core/state';
 import { RequestError, type ServiceError } from '../core/protocol';
@@ -31,6 +31,16 @@ export function selected_clip(): { character: string; clip: Clip } | null {
 export function set_view(part: Partial<ViewOptions>): void {
   session.set({ view: { ...state().view, ...part } });
   session.remember();
+}
+
+/** Switches the draft resolution, which this browser keeps for the next page. */
+function toggle_draft(): void {
+  toggle('draft')();
+  try {
+    localStorage.setItem(draft_key, state().view.draft ? 'on' : 'off');
+  } catch {
+    // pages without storage do not keep it
+  }
 }
 
 const toggle = (option: keyof ViewOptions) => (): void => set_view({ [option]: !state().view[option] });
@@ -519,6 +529,7 @@ const commands: AppCommand[] = [
   { id: 'camera.place', label: 'Set the camera to the view', group: 'Camera', keys: ['Ctrl+Alt+0'], enabled: has_document, run: place_camera },
   { id: 'camera.key', label: 'Key the view of the camera at the playhead', group: 'Camera', industry: ['K'], enabled: has_document, run: key_view },
   { id: 'camera.cut', label: 'Cut to another camera at the playhead', group: 'Camera', industry: ['X'], enabled: has_document, run: cut_here },
+  { id: 'view.draft', label: 'Draft: draw the viewport at a lower resolution', group: 'View', run: toggle_draft },
   { id: 'view.safe', label: 'Show or hide safe frames', group: 'Camera', run: toggle('safe') },
   { id: 'rule.add', label: 'Add a rule for the selected character', group: 'Rules', keys: ['R'], enabled: () => (state().document?.characters.length ?? 0) > 0, run: () => add_rule('pressed') },
   { id: 'circuit.add', label: 'Add an LSI…', group: 'Circuit', enabled: has_canvas, run: () => parts.circuit?.open_search() },

@@ -110,7 +110,7 @@ export function NewDialog(): ReactElement {
     if (busy) return;
     set_busy(true);
     const from = typeof entry.from === 'function' ? await entry.from() : entry.from;
-    if (await session.create(name.trim() || (entry.id === 'empty' ? 'untitled' : entry.id), from, entry.commands?.())) close();
+    if (await session.create(name.trim() || (entry.id === 'empty' ? 'untitled' : entry.id), from)) close();
     set_busy(false);
   };
   return (

@@ -1,6 +1,6 @@
 /** `window.ugoki`: read-only access to the page's state, for the end-to-end tests. */
 import * as THREE from 'three';
-import { assist_force, assist_over_cap, body_weight, centre_of_mass, link_position } from '../core/frames';
+import { assist_force, assist_over_cap, body_weight, centre_of_mass, link_position, state_of } from '../core/frames';
 import { all_bad_spans } from './actions';
 import { circuit, imports, library, parts, poser, session } from './app';
 
@@ -17,7 +17,7 @@ export interface PageHook {
   /** Paths of the recently opened projects, newest first. */
   recent(): string[];
   log(): string[];
-  undo(): { can_undo: boolean; can_redo: boolean; undo_label: string; redo_label: string };
+  undo(): { can_undo: boolean; can_redo: boolean; undo_label: string; redo_label: string; revision: number };
   frame(): { time: number; number: number; playing: boolean; simulate: boolean; grabbing: boolean; contacts: number } | null;
   /** State of the wiring editor: shown circuit, selection, problems, and counts of the drawing; null if there is no circuit. */
   circuit(): { name: string; edited: boolean; path: string[]; lsis: unknown[]; wires: string[]; notes: unknown[]; probes: unknown[]; circuits: string[]; selected: string[]; problems: string[]; facts: unknown } | null;
@@ -89,8 +89,8 @@ export function expose_hook(): void {
     recent: () => session.state.recent.map((r) => r.path),
     log: () => session.state.log.map((line) => `${line.level}: ${line.text}`),
     undo: () => {
-      const { can_undo, can_redo, undo_label, redo_label } = session.state;
-      return { can_undo, can_redo, undo_label, redo_label };
+      const { can_undo, can_redo, undo_label, redo_label, revision } = session.state;
+      return { can_undo, can_redo, undo_label, redo_label, revision };
     },
     frame: () => {
       const f = session.frames.latest;
@@ -143,7 +143,7 @@ export function expose_hook(): void {
       if (!found) return null;
       const weight = body_weight(found.frame, found.character_frame);
       return {
-        state: found.character_frame.state,
+        state: state_of(found.frame, found.character_frame),
         assist: weight > 0 ? Math.hypot(...assist_force(found.frame, found.character_frame)) / weight : 0,
         over_cap: assist_over_cap(found.frame, found.character_frame),
         com: centre_of_mass(found.frame, found.character_frame),

@@ -8,6 +8,7 @@ import './motion/motion.css';
 import './posing/posing.css';
 import { App } from './App';
 import { code_of } from '../core/access';
+import { draft_key } from '../core/state';
 import { register_commands } from './actions';
 import { access, session } from './app';
 import { expose_hook } from './hook';
@@ -19,6 +20,11 @@ const show_theme = (): void => {
   const { theme } = session.state;
   if (document.documentElement.dataset.theme !== theme) document.documentElement.dataset.theme = theme;
 };
+try {
+  if (localStorage.getItem(draft_key) === 'on') session.set({ view: { ...session.state.view, draft: true } });
+} catch {
+  // pages without storage
+}
 show_theme();
 session.store.subscribe(show_theme);
 const root = createRoot(document.getElementById('root')!);

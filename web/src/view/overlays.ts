@@ -11,11 +11,12 @@ import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 
 const up = new THREE.Vector3(0, 1, 0);
 
+const good = new THREE.Color(0x34d399);
+const warn = new THREE.Color(0xfbbf24);
+const bad = new THREE.Color(0xf87171);
+
 /** Colour of the root assist: green up to 30 % of its cap, amber at 70 %, red at 100 %. @param over_cap assist / cap */
 export function assist_color(over_cap: number, out = new THREE.Color()): THREE.Color {
-  const good = new THREE.Color(0x34d399);
-  const warn = new THREE.Color(0xfbbf24);
-  const bad = new THREE.Color(0xf87171);
   if (over_cap <= 0.3) return out.copy(good);
   if (over_cap <= 0.7) return out.lerpColors(good, warn, (over_cap - 0.3) / 0.4);
   return out.lerpColors(warn, bad, Math.min(1, (over_cap - 0.7) / 0.3));

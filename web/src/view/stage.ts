@@ -13,6 +13,7 @@ export interface StageOptions {
   transparent?: boolean;
 }
 
+const draft_ratio = 0.5; // resolution of drafts, relative to that of the screen
 const light_distance = 8; // m, of the light that casts shadows from its target
 const deepest = 12.5; // m: the shadow map reaches from the light to this depth, and further if the light is low
 const shadow_bias = 0.013; // m: a surface casts no shadow on what is nearer than this behind it
@@ -130,9 +131,12 @@ export class Stage {
     return true;
   }
 
-  /** Draws a frame. @param still true: nothing moves, so the frame is drawn at full resolution */
-  render(camera: THREE.Camera, still: boolean): void {
-    this.set_ratio(still);
+  /**
+   * Draws a frame. @param still true: nothing moves, so the frame is drawn at full resolution
+   * @param draft true: a lower resolution is enough
+   */
+  render(camera: THREE.Camera, still: boolean, draft = false): void {
+    this.set_ratio(still, draft);
     this.scene.updateMatrixWorld();
     if (this.floor.object.visible) this.floor.place_patches(this.scene, this.key);
     if (this.smooth) this.smooth.render(this.scene, camera, [this.floor.object, this.dome.mesh]);
@@ -158,10 +162,11 @@ export class Stage {
     }
   }
 
-  private set_ratio(still: boolean): void {
+  private set_ratio(still: boolean, draft = false): void {
     const full = this.options.pictures ? 1 : Math.min(window.devicePixelRatio || 1, 2);
     const finest = this.software ? Math.min(2, full * 1.6) : full;
-    const ratio = still || this.options.pictures ? finest : full * this.quality;
+    const sharp = still || this.options.pictures ? finest : full * this.quality;
+    const ratio = draft ? Math.min(sharp, draft_ratio * full) : sharp;
     const size = this.renderer.getSize(new THREE.Vector2());
     if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
     if (size.x !== this.width || size.y !== this.height) this.renderer.setSize(this.width, this.height, false);
@@ -197,8 +202,10 @@ function make_environment(sky: { zenith: string; horizon: string } | null, floor
  * Half width of the area around the camera's target in which shadows are drawn, m. @param spheres bounding spheres of all links
  * @param view_distance distance of the camera from its target, m
  */
-export function shadow_reach(spheres: readonly THREE.Sphere[], target: THREE.Vector3, view_distance: number): number {
-  const farthest = spheres.length > 0 ? Math.max(...spheres.map((s) => Math.hypot(s.center.x - target.x, s.center.y - target.y) + s.radius)) : 2.5;
+export function shadow_reach(spheres: Iterable<THREE.Sphere>, target: THREE.Vector3, view_distance: number): number {
+  let farthest = -1;
+  for (const s of spheres) farthest = Math.max(farthest, Math.hypot(s.center.x - target.x, s.center.y - target.y) + s.radius);
+  if (farthest < 0) farthest = 2.5;
   return Math.min(farthest + 0.5, Math.max(2.6, view_distance * 0.85));
 }
 

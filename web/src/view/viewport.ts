@@ -6,7 +6,7 @@ import * as THREE from 'three';
 import { find_character, is_left_out } from '../core/document';
 import { shot_at, view_of, type FilmCamera } from '../core/film';
 import { format_label } from '../core/format';
-import { assist_force, assist_over_cap, body_weight, centre_of_mass, CharacterState, type Frame } from '../core/frames';
+import { assist_over_cap, body_weight, centre_of_mass, CharacterState, state_of, type CharacterFrame, type Frame } from '../core/frames';
 import type { MechanismData } from '../core/protocol';
 import type { Session } from '../core/session';
 import { selected_character, shown_document, type StudioState } from '../core/state';
@@ -24,9 +24,15 @@ const trail_seconds = 4; // time span of a trail, s
 const reach = 10; // maximum distance between the pointer and a link that is picked, px
 const max_contact_arrows = 48; // maximum number of contacts that are drawn with arrows
 
+const moved_sphere = new THREE.Sphere();
+const point_of_mass = new THREE.Vector3();
+const force_of_assist = new THREE.Vector3();
+const start_of_assist = new THREE.Vector3();
+
 /** The objects drawn for one character. */
 interface Drawn {
   character_view: CharacterView;
+  /** Made when they are shown for the first time. */
   ghosts: Ghost[];
   assist: Arrow;
   trail: Polyline;
@@ -80,8 +86,8 @@ export class Viewport {
   private filmed: string | null = null;
   private hovered: LinkTag | null = null;
   private pull: { tag: LinkTag; local: THREE.Vector3; target: THREE.Vector3 } | null = null;
-  /** The last reported character states, as JSON. */
-  private shown_states = '';
+  /** The last reported states, in the order of the characters. */
+  private readonly shown_states: CharacterState[] = [];
   /** Number of frames drawn; read by browser tests. */
   pictures = 0;
 
@@ -257,6 +263,13 @@ export class Viewport {
     return out;
   }
 
+  /** The bounding spheres of all links, in one object that is changed for each. */
+  private *each_sphere(): Generator<THREE.Sphere> {
+    for (const entry of this.drawn.values())
+      for (const mesh of entry.character_view.links)
+        if (mesh?.geometry.boundingSphere) yield moved_sphere.copy(mesh.geometry.boundingSphere).applyMatrix4(mesh.matrixWorld);
+  }
+
   /** Bounding sphere of a character (null: of all characters) as drawn now, m; null if nothing is drawn. */
   bounds(character: string | null): THREE.Sphere | null {
     const box = new THREE.Box3();
@@ -311,6 +324,7 @@ export class Viewport {
     if (!before || state.document !== before.document || state.preview !== before.preview || state.mechanisms !== before.mechanisms || state.theme !== before.theme)
       this.sync_characters(state);
     if (!before || state.selection !== before.selection) this.emphasise();
+    if (before && state.opened !== before.opened) this.framed_once = false;
     this.rig.use_perspective = state.view.perspective;
     this.invalidate();
   }
@@ -345,13 +359,13 @@ export class Viewport {
     }
     const entry: Drawn = {
       character_view: new CharacterView(id, mechanism, geometries, color),
-      ghosts: ghost_offsets.map((_offset, index) => new Ghost(geometries, index, body_surface(mechanism))),
+      ghosts: [],
       assist: new Arrow(0x34d399, 0.011, true),
       trail: new Polyline(0xff9d5c, 1.6, 0.8),
       offset: new THREE.Vector3(),
       pose: null,
     };
-    this.stage.scene.add(entry.character_view.group, entry.assist.group, entry.trail.line, ...entry.ghosts.map((g) => g.group));
+    this.stage.scene.add(entry.character_view.group, entry.assist.group, entry.trail.line);
     return entry;
   }
 
@@ -388,22 +402,22 @@ export class Viewport {
     if (!this.dirty) {
       // slow machines draw frames at reduced resolution while something moves; 180 ms after the last motion one frame is drawn at full
       // resolution
-      if (!this.drawn_still && now - this.still_since > 180) this.draw(frame, true);
+      if (!this.drawn_still && now - this.still_since > 180) this.draw(frame, true, this.session.state.view.draft);
       return;
     }
     if (this.still_since > 0 && now - this.still_since < 200) this.stage.note_frame_time(dt * 1000);
     this.still_since = now;
     this.dirty = false;
-    this.draw(frame, false);
+    this.draw(frame, false, this.session.state.view.draft);
   };
 
-  private draw(frame: Frame | null, still: boolean): void {
+  private draw(frame: Frame | null, still: boolean, draft = false): void {
     this.drawn_still = still;
     this.draw_overlays(frame);
     for (const listener of this.drawing_listeners) listener();
     const { target, distance } = this.rig.current;
-    this.stage.focus(target, shadow_reach(this.spheres(null), target, distance), distance);
-    this.stage.render(this.rig.camera, still);
+    this.stage.focus(target, shadow_reach(this.each_sphere(), target, distance), distance);
+    this.stage.render(this.rig.camera, still, draft);
     this.pictures++;
     if (!this.framed_once && frame && this.drawn.size > 0 && this.drawn.size >= (this.session.state.document?.characters.length ?? 0)) this.first_view();
     for (const listener of this.listeners) listener(this);
@@ -425,23 +439,24 @@ export class Viewport {
   }
 
   private place_characters(frame: Frame): void {
-    const states: Record<string, CharacterState> = {};
-    this.session.state.characters.forEach((character, index) => {
+    const { characters } = this.session.state;
+    let changed = this.shown_states.length !== characters.length;
+    characters.forEach((character, index) => {
       const entry = this.drawn.get(character.id);
       const character_frame = frame.characters[index];
       if (!character_frame) return;
-      states[character.id] = character_frame.state;
+      const state = state_of(frame, character_frame);
+      changed ||= this.shown_states[index] !== state;
+      this.shown_states[index] = state;
       if (!entry) return;
       entry.character_view.place(frame, character_frame);
       if (entry.pose) entry.character_view.place_poses(entry.pose, 0, entry.pose.length / 7);
       entry.character_view.group.position.copy(entry.offset);
       entry.character_view.group.updateMatrixWorld(true);
     });
-    const text = JSON.stringify(states);
-    if (text !== this.shown_states) {
-      this.shown_states = text;
-      this.report_states(states);
-    }
+    if (!changed) return;
+    this.shown_states.length = characters.length;
+    this.report_states(Object.fromEntries(characters.map((character, index) => [character.id, this.shown_states[index]!])));
   }
 
   /** Time of the drawn frame, s. */
@@ -494,23 +509,13 @@ export class Viewport {
       const entry = this.drawn.get(character.id);
       const character_frame = frame?.characters[index];
       if (!entry || !character_frame || !frame) return;
-      const com = new THREE.Vector3(...centre_of_mass(frame, character_frame)).add(entry.offset);
       entry.character_view.show_shapes(view.shapes);
       this.draw_ghosts(entry, index, frame, view.ghosts);
       if (view.trail) this.draw_trail(entry, index, frame);
       else entry.trail.hide();
-      const weight = body_weight(frame, character_frame);
-      const force = new THREE.Vector3(...assist_force(frame, character_frame));
-      const share = weight > 0 ? force.length() / weight : 0;
-      if (view.assist && frame.simulate && share > 0.004) {
-        const at = new THREE.Vector3().setFromMatrixPosition(entry.character_view.links.find((m) => m)?.matrixWorld ?? new THREE.Matrix4());
-        entry.assist.material.color.copy(assist_color(assist_over_cap(frame, character_frame)));
-        // the length grows with the square root of the force: 1 % of the weight is visible (0.19 m), 100 % fits the view (1.9 m)
-        entry.assist.show(at, force.setLength(1.9 * Math.sqrt(Math.min(share, 1))));
-      } else {
-        entry.assist.hide();
-      }
+      if (!view.assist || !frame.simulate || !this.draw_assist(entry, frame, character_frame)) entry.assist.hide();
       if (selected === character.id) {
+        const com = point_of_mass.set(...centre_of_mass(frame, character_frame)).add(entry.offset);
         const bounds = this.bounds(character.id);
         this.ring.scale.setScalar(Math.max(0.3, Math.min(0.5 * (bounds?.radius ?? 0.8), 0.62)));
         this.ring.position.set(com.x, com.y, (state.document?.ground?.height ?? 0) + 0.004);
@@ -539,6 +544,19 @@ export class Viewport {
     this.draw_closest_pairs(view.closest ? frame : null);
     this.draw_pull();
     this.draw_cameras(frame);
+  }
+
+  /** @return false: the force is too small to be shown */
+  private draw_assist(entry: Drawn, frame: Frame, character_frame: CharacterFrame): boolean {
+    const weight = body_weight(frame, character_frame);
+    const force = force_of_assist.fromArray(frame.floats, character_frame.data);
+    const share = weight > 0 ? force.length() / weight : 0;
+    const root = entry.character_view.links.find((m) => m);
+    if (share <= 0.004 || !root) return false;
+    assist_color(assist_over_cap(frame, character_frame), entry.assist.material.color);
+    // the length grows with the square root of the force: 1 % of the weight is visible (0.19 m), 100 % fits the view (1.9 m)
+    entry.assist.show(start_of_assist.setFromMatrixPosition(root.matrixWorld), force.setLength(1.9 * Math.sqrt(Math.min(share, 1))));
+    return true;
   }
 
   private draw_cameras(frame: Frame | null): void {
@@ -581,11 +599,26 @@ export class Viewport {
     this.spring.show(from, this.pull.target, this.rig.camera, this.rig.current.distance * 0.0042);
   }
 
+  private need_ghosts(entry: Drawn): Ghost[] {
+    const { mechanism } = entry.character_view;
+    const geometries = this.geometries.get(mechanism.id);
+    if (entry.ghosts.length === 0 && geometries) {
+      entry.ghosts = ghost_offsets.map((_offset, index) => new Ghost(geometries, index, body_surface(mechanism)));
+      this.stage.scene.add(...entry.ghosts.map((g) => g.group));
+    }
+    return entry.ghosts;
+  }
+
   private draw_ghosts(entry: Drawn, index: number, frame: Frame, on: boolean): void {
+    if (!on) {
+      for (const ghost of entry.ghosts) ghost.hide();
+      return;
+    }
+    const ghosts = this.need_ghosts(entry);
     const rate = this.session.state.document?.frame_rate ?? 60;
-    if (on && this.pose_ghosts) {
+    if (this.pose_ghosts) {
       const poses = this.pose_ghosts.character === entry.character_view.character ? this.pose_ghosts.poses : [];
-      entry.ghosts.forEach((ghost, i) => {
+      ghosts.forEach((ghost, i) => {
         const pose = poses[i];
         if (pose) ghost.show_poses(pose, 0.24, i % 2 === 0 ? earlier_color : later_color);
         else ghost.hide();
@@ -593,8 +626,8 @@ export class Viewport {
       return;
     }
     ghost_offsets.forEach((seconds, i) => {
-      const ghost = entry.ghosts[i]!;
-      const other = on ? this.session.frames.near(frame.number + Math.round(seconds * rate), 2) : undefined;
+      const ghost = ghosts[i]!;
+      const other = this.session.frames.near(frame.number + Math.round(seconds * rate), 2);
       const character_frame = other?.characters[index];
       if (other && character_frame && character_frame.links === frame.characters[index]?.links) ghost.show(other, character_frame, Math.abs(seconds) > 0.5 ? 0.13 : 0.22);
       else ghost.hide();

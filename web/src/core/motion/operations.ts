@@ -105,6 +105,14 @@ export const operations: readonly Operation[] = [
     id: 'lock', label: 'Lock feet', short: 'Lock feet', group: 'ground', needs: 'nothing', hint: 'Keeps standing feet from sliding.',
     fields: [{ kind: 'number', key: 'ease', label: 'Ease', unit: 's', value: 0.12, min: 0, max: 2, step: 0.01, title: 'Time in which a foot blends into and out of its locked position' }],
   },
+  {
+    id: 'correct', label: 'Correct the physics', short: 'Correct', group: 'ground', needs: 'nothing', hint: 'Changes the motion as little as possible so that forces of the ground can make it: feet do not slide or sink, flights are parabolas, balance is kept.',
+    fields: [
+      { kind: 'number', key: 'percent', label: 'Strength', unit: '%', value: 100, min: 0, max: 100, step: 1, digits: 0, slider: true, title: '0 % keeps the motion, 100 % is the complete correction' },
+      { kind: 'switch', key: 'find_floor', label: 'Find the floor', value: true, title: 'Moves and levels the floor on which the feet stand' },
+      { kind: 'switch', key: 'keep_duration', label: 'Keep the duration', value: false, title: 'Flights keep their duration, even if gravity is wrong in them' },
+    ],
+  },
 
   {
     id: 'blend', label: 'Blend with another motion', short: 'Blend', group: 'two', needs: 'motion', hint: 'Makes a motion between the two with matching steps: a walk and a run give a jog.', between: 'percent',
