@@ -20,12 +20,12 @@
 #include "output_files.h"
 #include "simulate.h"
 #include "sources.h"
-#include "sweep_plot.h"
 #include "sweep_table.h"
 #include "ugoki/base/hash.h"
 #include "ugoki/base/number.h"
 #include "ugoki/content/generate.h"
 #include "ugoki/files/files.h"
+#include "ugoki/sweep/plot.h"
 #include "verb.h"
 
 namespace ugoki::cli {
@@ -238,7 +238,7 @@ int run_bake(const Options& o, const std::vector<std::string>& merges) {
             o.json);
     plan.variations.push_back(std::move(*v));
   }
-  if (Result<void> good = check_address({o.table, o.name}); !good) return print_error(good.error(), o.json);
+  if (Result<void> good = sweep::check_address({o.table, o.name}); !good) return print_error(good.error(), o.json);
   const Result<Part> part = read_part(o.part);
   if (!part) return print_error(part.error(), o.json);
   std::vector<NamedFile> inputs = input_files(o.targets, o.source);
@@ -379,25 +379,13 @@ struct PlotOptions {
 
 int run_plot(const PlotOptions& o) {
   if (Result<void> may = check_outputs({{"the table", o.table}}, {{"--out", o.out}}); !may) return print_error(may.error(), o.json);
-  std::vector<std::string> columns = {o.x, o.y};
-  if (!o.by.empty()) columns.push_back(o.by);
-  const Result<SweepColumns> read = read_columns({o.table, o.name}, columns);
-  if (!read) return print_error(read.error(), o.json);
-  std::vector<PlotPoint> points;
-  for (const std::vector<std::string>& row : read->cells) {
-    if (row[0].empty() || row[1].empty()) continue;
-    const std::optional<double> y = parse_double(row[1]);
-    if (!y)
-      return print_error(Error(ErrorCode::syntax, "--y " + o.y, "'" + row[1] + "' is not a number.", "Choose a measure for --y."), o.json);
-    points.push_back({row[0], *y, o.by.empty() ? "" : row[2]});
-  }
-  const Result<std::string> svg = plot_svg(points, {o.title.empty() ? o.y + " over " + o.x : o.title, o.x, o.y, o.by});
-  if (!svg) return print_error(svg.error(), o.json);
-  if (Result<void> done = files::write_file(o.out, *svg); !done) return print_error(done.error(), o.json);
+  const Result<sweep::TablePlot> plot = sweep::plot_table({o.table, o.name}, {o.title, o.x, o.y, o.by});
+  if (!plot) return print_error(plot.error(), o.json);
+  if (Result<void> done = files::write_file(o.out, plot->svg); !done) return print_error(done.error(), o.json);
   if (o.json)
-    print_json({{"file", o.out}, {"points", points.size()}});
+    print_json({{"file", o.out}, {"points", plot->points}});
   else
-    print_line("Wrote " + o.out + " with " + std::to_string(points.size()) + " runs.");
+    print_line("Wrote " + o.out + " with " + std::to_string(plot->points) + " runs.");
   return 0;
 }
 

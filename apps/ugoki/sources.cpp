@@ -134,7 +134,7 @@ Result<TargetKind> kind_of(const std::string& target) {
   const std::optional<intake::FileKind> kind = intake::file_kind(target);
   if (!kind)
     return fail(ErrorCode::unsupported, target, "The kind of this file is unknown.",
-                "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .mvnx, .npz, .json, .urdf, .sdf, .xml, .ugoki or .ugx file.");
+                "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .usda, .mvnx, .npz, .json, .urdf, .sdf, .xml, .ugoki or .ugx file.");
   const bool mechanism = *kind == intake::FileKind::mechanism_json || *kind == intake::FileKind::robot;
   return mechanism ? TargetKind::mechanism_file : TargetKind::measured_file;
 }
@@ -209,7 +209,7 @@ Result<ClipSource> load_clip(const std::string& target, const SourceOptions& opt
   if (*kind == TargetKind::entry) return clip_of_entry(target, options);
   if (*kind != TargetKind::measured_file)
     return fail(ErrorCode::unsupported, target, "This is not a motion.",
-                "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .mvnx or .npz file, or a motion of the library.");
+                "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .usda, .mvnx or .npz file, or a motion of the library.");
   Result<intake::Intake> loaded = take_in_file(target, options);
   if (!loaded) return fail(std::move(loaded.error()));
   return clip_of(std::move(*loaded));

@@ -13,17 +13,13 @@
 #include "ugoki/store/library.h"
 
 namespace ugoki::cli {
+
+using sweep::check_address;
+using sweep::quoted;
+using sweep::table_name;
+using sweep::TableAddress;
+
 namespace {
-
-std::string quoted(const std::string& name) {
-  std::string out = "\"";
-  for (const char c : name) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + '"';
-}
-
-std::string table_name(const TableAddress& address) {
-  return store::is_postgres(address.location) ? quoted("sweep_" + address.name) : "run";
-}
 
 /// Returns true if all values of a quantity are numbers.
 bool is_numeric(const Variation& v) {
@@ -31,20 +27,6 @@ bool is_numeric(const Variation& v) {
 }
 
 }  // namespace
-
-Result<void> check_address(const TableAddress& address) {
-  const bool server = store::is_postgres(address.location);
-  if (!server && !address.name.empty())
-    return fail(ErrorCode::conflict, "--name", "Only sweeps in a PostgreSQL database have a name.",
-                "Leave out --name, or give --table postgresql://host/database.");
-  constexpr std::size_t max_name = 50;  // the table is named sweep_NAME, and PostgreSQL limits names to 63 bytes
-  const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
-  if (server && (address.name.empty() || address.name.size() > max_name || !std::ranges::all_of(address.name, allowed)))
-    return fail(ErrorCode::syntax, "--name " + address.name,
-                "A sweep in a PostgreSQL database needs a name of 1 to " + std::to_string(max_name) + " small letters, digits and '_'.",
-                "Write, for example, --name walk_push.");
-  return {};
-}
 
 namespace {
 /// Refuses an existing file that is not a table of `ugoki bake`. Empty files and databases without tables are accepted.
@@ -236,61 +218,13 @@ Result<std::int64_t> SweepTable::merge(const std::string& path) {
 }
 
 Result<std::string> SweepTable::csv() {
-  std::string out;
-  const auto cell = [](const std::string& text) { return text.find_first_of(",\"\n\r") == std::string::npos ? text : quoted(text); };
-  for (std::size_t i = 0; i < columns_.size(); ++i) out += (i > 0 ? "," : "") + cell(columns_[i]);
-  out += '\n';
   const Result<store::Rows> rows = connection_->query("SELECT * FROM " + table_ + " ORDER BY number");
   if (!rows) return fail(rows.error());
-  for (std::size_t r = 0; r < rows->size(); ++r) {
-    for (std::size_t i = 0; i < columns_.size(); ++i) out += (i > 0 ? "," : "") + (rows->is_null(r, i) ? "" : cell(rows->text(r, i)));
-    out += '\n';
-  }
-  return out;
-}
-
-Result<SweepColumns> read_columns(const TableAddress& address, const std::vector<std::string>& columns) {
-  if (Result<void> good = check_address(address); !good) return fail(std::move(good.error()));
-  const bool server = store::is_postgres(address.location);
-  std::unique_ptr<store::Connection> connection;
-  if (server) {
-    Result<std::unique_ptr<store::Connection>> opened = store::postgres_connection(address.location, true);
-    if (!opened) return fail(std::move(opened.error()));
-    connection = std::move(*opened);
-  } else {
-    Result<store::Database> opened = store::Database::open(address.location, store::OpenMode::read_only);
-    if (!opened) return fail(std::move(opened.error()));
-    connection = store::sqlite_connection(std::move(*opened));
-  }
-  const Result<store::Rows> known = connection->query(
-      server ? "SELECT column_name::text FROM information_schema.columns WHERE table_schema = 'ugoki' AND table_name = ?1 ORDER BY "
-               "ordinal_position"
-             : "SELECT name FROM pragma_table_info(?1)",
-      {server ? "sweep_" + address.name : std::string("run")});
-  if (!known) return fail(known.error());
-  if (known->empty())
-    return fail(ErrorCode::unknown, server ? "--name " + address.name : address.location, "There is no table of `ugoki bake` here.",
-                "Name the file or the database that --table named.");
-  std::string list;
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < known->size(); ++i) {
-    names.push_back(known->text(i, 0));
-    list += (i > 0 ? ", " : "") + names.back();
-  }
-  std::string sql = "SELECT ";
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    if (std::ranges::find(names, columns[i]) == names.end())
-      return fail(ErrorCode::unknown, columns[i], "The table has no such column.", "Use one of: " + list + ".");
-    sql += (i > 0 ? ", " : "") + quoted(columns[i]);
-  }
-  const Result<store::Rows> rows = connection->query(sql + " FROM " + table_name(address) + " WHERE status = 'done' ORDER BY number");
-  if (!rows) return fail(rows.error());
-  SweepColumns out;
-  for (std::size_t r = 0; r < rows->size(); ++r) {
-    out.cells.emplace_back();
-    for (std::size_t i = 0; i < columns.size(); ++i) out.cells.back().push_back(rows->is_null(r, i) ? "" : rows->text(r, i));
-  }
-  return out;
+  sweep::Results results{columns_, {}};
+  results.cells.resize(rows->size());
+  for (std::size_t r = 0; r < rows->size(); ++r)
+    for (std::size_t i = 0; i < columns_.size(); ++i) results.cells[r].push_back(rows->is_null(r, i) ? "" : rows->text(r, i));
+  return sweep::to_csv(results);
 }
 
 }  // namespace ugoki::cli

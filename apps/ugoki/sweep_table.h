@@ -11,16 +11,9 @@
 #include "ugoki/base/result.h"
 #include "ugoki/json/json.h"
 #include "ugoki/store/connection.h"
+#include "ugoki/sweep/results.h"
 
 namespace ugoki::cli {
-
-/// Location of a table of results.
-struct TableAddress {
-  std::string location;  ///< path of an SQLite file, or "postgresql://user:password@host:port/database"
-  std::string name;      ///< name of the sweep in a PostgreSQL database, where the table is ugoki.sweep_NAME; empty for SQLite
-};
-/// Checks that an address of PostgreSQL has a valid name, and that the path of an SQLite file has none.
-[[nodiscard]] Result<void> check_address(const TableAddress& address);
 
 /// The runs that have a row but no result.
 struct SweepFailures {
@@ -33,7 +26,7 @@ class SweepTable {
  public:
   /// Creates the table, or opens an existing table that has the same plan.
   /// Errors: the table has another plan; another `ugoki bake` uses the SQLite file; the server cannot be reached.
-  [[nodiscard]] static Result<SweepTable> open(const TableAddress& address, const SweepPlan& plan);
+  [[nodiscard]] static Result<SweepTable> open(const sweep::TableAddress& address, const SweepPlan& plan);
   /// Numbers of the runs that have a row, ascending.
   [[nodiscard]] Result<std::vector<std::uint64_t>> finished();
   /// The runs of a part (index, index + parts, ...) whose status is not `done`.
@@ -58,7 +51,7 @@ class SweepTable {
 
  private:
   SweepTable(std::unique_ptr<store::Connection> connection, int lock) : connection_(std::move(connection)), lock_(lock) {}
-  [[nodiscard]] Result<void> prepare(const TableAddress& address, const SweepPlan& plan);
+  [[nodiscard]] Result<void> prepare(const sweep::TableAddress& address, const SweepPlan& plan);
   [[nodiscard]] Result<bool> insert(const std::vector<store::Value>& cells);
 
   std::unique_ptr<store::Connection> connection_;
@@ -67,13 +60,5 @@ class SweepTable {
   std::string plan_;                  // SweepPlan::text()
   std::vector<std::string> columns_;  // all columns of the table of runs
 };
-
-/// Values of some columns of an existing table, for plots.
-struct SweepColumns {
-  std::vector<std::vector<std::string>> cells;  ///< [runs with status `done`][columns]; empty text: no value
-};
-/// Reads columns of all runs that have the status `done`, ordered by number.
-/// Errors: no such table or column.
-[[nodiscard]] Result<SweepColumns> read_columns(const TableAddress& address, const std::vector<std::string>& columns);
 
 }  // namespace ugoki::cli

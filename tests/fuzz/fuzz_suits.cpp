@@ -1,4 +1,4 @@
-// Fuzz targets of the readers of MVNX and of SMPL motions.
+// Fuzz targets of the readers of MVNX, USD and SMPL motions.
 #include <cmath>
 
 #include "fuzz_targets.h"
@@ -6,6 +6,7 @@
 #include "ugoki/scene_formats/mvnx.h"
 #include "ugoki/scene_formats/npz.h"
 #include "ugoki/scene_formats/smpl.h"
+#include "ugoki/scene_formats/usd.h"
 
 namespace ugoki {
 namespace {
@@ -28,6 +29,12 @@ void check_motion(const MeasuredMotion& m) {
 
 void fuzz_mvnx(const std::uint8_t* data, std::size_t size) {
   const auto m = scene_formats::read_mvnx({reinterpret_cast<const char*>(data), size}, "fuzz.mvnx");
+  if (!m) return check_error(m.error());
+  check_motion(*m);
+}
+
+void fuzz_usda(const std::uint8_t* data, std::size_t size) {
+  const auto m = scene_formats::read_usd({reinterpret_cast<const char*>(data), size}, "fuzz.usda");
   if (!m) return check_error(m.error());
   check_motion(*m);
 }

@@ -31,6 +31,7 @@ extern long ugx_runs;
 void fuzz_project(const std::uint8_t* data, std::size_t size);
 void fuzz_skeleton(const std::uint8_t* data, std::size_t size);
 void fuzz_mvnx(const std::uint8_t* data, std::size_t size);
+void fuzz_usda(const std::uint8_t* data, std::size_t size);
 void fuzz_smpl(const std::uint8_t* data, std::size_t size);
 void fuzz_set(const std::uint8_t* data, std::size_t size);
 

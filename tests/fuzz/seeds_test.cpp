@@ -52,6 +52,7 @@ TEST(FuzzSeeds, UgxRun) { run("ugx_run", fuzz_ugx_run); }
 TEST(FuzzSeeds, Project) { run("project", fuzz_project); }
 TEST(FuzzSeeds, Skeleton) { run("skeleton", fuzz_skeleton); }
 TEST(FuzzSeeds, Mvnx) { run("mvnx", fuzz_mvnx); }
+TEST(FuzzSeeds, Usda) { run("usda", fuzz_usda); }
 TEST(FuzzSeeds, Smpl) { run("smpl", fuzz_smpl); }
 TEST(FuzzSeeds, Set) { run("set", fuzz_set); }
 

@@ -11,6 +11,7 @@
 #include "../content/fixture.h"
 #include "ugoki/formats/gltf.h"
 #include "ugoki/mechanism/state.h"
+#include "ugoki/scene_formats/usd.h"
 
 namespace ugoki::publish {
 namespace {
@@ -134,6 +135,35 @@ TEST(TakeView, LooksAtTheFollowedCharacterFromItsDistance) {
     EXPECT_GT(v.up.z, 0);
     EXPECT_LT(norm(cross(v.right, v.up) - v.back), 1e-12) << "right-handed";
   }
+}
+
+TEST(Take, UsdIsReadBackWithTheSamePositions) {
+  const Take take = take_of(0.5, 50);
+  const auto motion = scene_formats::read_usd(write_take_usda(take), "take.usda");
+  ASSERT_TRUE(motion.has_value()) << motion.error().text();
+  EXPECT_EQ(motion->frames, take.frames);
+  EXPECT_EQ(motion->rate, take.rate);
+  std::size_t links = 0;
+  for (const TakeCharacter& c : take.characters) links += c.links();
+  ASSERT_EQ(motion->skeleton.joints.size(), links);
+  double worst = 0;
+  for (int f = 0; f < take.frames; ++f) {
+    std::vector<Pose> X;
+    motion->calc_joint_poses(f, X);
+    std::size_t joint = 0;
+    for (const TakeCharacter& c : take.characters) {
+      std::vector<Vec3> known;
+      for (std::size_t l = 0; l < c.links(); ++l) known.push_back(c.pose(f, l).p);
+      // the reader may sort the joints, so each link is looked for among the joints of its character
+      for (const Vec3& p : known) {
+        double best = 1e9;
+        for (std::size_t k = 0; k < c.links(); ++k) best = std::min(best, norm(X[joint + k].p - p));
+        worst = std::max(worst, best);
+      }
+      joint += c.links();
+    }
+  }
+  EXPECT_LT(worst, 1e-6);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ import { timeline_journeys } from './timeline.mjs';
 import { look_journeys } from './looks.mjs';
 import { request_journeys } from './requests.mjs';
 import { rule_journeys } from './rules.mjs';
+import { sweep_journeys } from './sweeps.mjs';
 import { library_journeys } from './library.mjs';
 import { motion_journeys } from './motion.mjs';
 import { mock } from './service.mjs';
@@ -465,6 +466,7 @@ export const journeys = [
   ...library_journeys,
   ...circuit_journeys,
   ...control_journeys,
+  ...sweep_journeys,
   ...plugin_journeys,
   {
     name: 'the page reported no errors during the journeys',

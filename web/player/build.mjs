@@ -44,6 +44,12 @@ function base91(data) {
   return text.join('');
 }
 
+/** The data as text of LZMA (src/player/lzma.ts unpacks it): a quarter smaller than gzip. The header receives the size of the data. */
+function squeezed(data) {
+  const out = execFileSync('xz', ['--format=lzma', '-9e', '-c'], { input: data, maxBuffer: 1 << 28 });
+  out.writeBigUInt64LE(BigInt(data.length), 5);
+  return base91(out);
+}
 /** The data as text of gzip. zopfli makes it 4 % smaller than the most that zlib can do; any browser unpacks it. */
 function packed(data) {
   const work = mkdtempSync(join(tmpdir(), 'ugoki-pack-'));
@@ -54,7 +60,7 @@ function packed(data) {
     rmSync(work, { recursive: true });
   }
 }
-const engine = packed(readFileSync(engine_file));
+const engine = squeezed(readFileSync(engine_file));
 const page = await bundle('src/player/main.ts');
 const script = packed(page);
 const element = await bundle('src/player/embed.ts');

@@ -23,6 +23,7 @@
 #include "ugoki/scene_formats/mvnx.h"
 #include "ugoki/scene_formats/scene_file.h"
 #include "ugoki/scene_formats/smpl.h"
+#include "ugoki/scene_formats/usd.h"
 
 namespace ugoki::intake {
 namespace {
@@ -370,6 +371,7 @@ std::optional<FileKind> file_kind(std::string_view file_name) {
   if (ending == "csv") return FileKind::csv;
   if (ending == "gltf" || ending == "glb") return FileKind::gltf;
   if (ending == "fbx" || ending == "dae") return FileKind::scene;
+  if (ending == "usda" || ending == "usd" || ending == "usdc" || ending == "usdz") return FileKind::usd;
   if (ending == "mvnx") return FileKind::mvnx;
   if (ending == "npz") return FileKind::smpl;
   if (ending == "json") return FileKind::mechanism_json;
@@ -390,7 +392,7 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
     return fail(ErrorCode::range, location, "Up and forward cannot be the same axis.", "Choose another forward axis.");
   if (!kind)
     return fail(ErrorCode::unsupported, location, "Files with this extension cannot be imported.",
-                "Use a .bvh, .amc (with its .asf), .c3d, .trc, .csv, .gltf, .glb, .fbx, .dae, .mvnx, .npz, mechanism .json, .urdf, .sdf or "
+                "Use a .bvh, .amc (with its .asf), .c3d, .trc, .csv, .gltf, .glb, .fbx, .dae, .usda, .mvnx, .npz, mechanism .json, .urdf, .sdf or "
                 "MJCF .xml file.");
   if (auto error = stopped(options, file_name)) return fail(std::move(*error));
   formats::ReadNotes notes;
@@ -428,6 +430,11 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
           scene_formats::read_scene(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit}, &notes);
       if (!motions) return fail(std::move(motions.error()));
       return from_measured(std::move(*motions), std::move(notes), file_name, options);
+    }
+    case FileKind::usd: {
+      Result<MeasuredMotion> measured = scene_formats::read_usd(bytes, file_name, {.metres_per_unit = options.unit}, &notes);
+      if (!measured) return fail(std::move(measured.error()));
+      return from_measured(std::move(*measured), std::move(notes), file_name, options);
     }
     case FileKind::gltf: {
       const std::span raw(bytes.data(), bytes.size());

@@ -64,7 +64,7 @@ struct Intake {
 };
 
 /// Kinds of files that can be imported.
-enum class FileKind { bvh, amc, asf, c3d, trc, csv, gltf, scene, mvnx, smpl, mechanism_json, robot };
+enum class FileKind { bvh, amc, asf, c3d, trc, csv, gltf, scene, usd, mvnx, smpl, mechanism_json, robot };
 /// Kind from the file name's extension, ignoring case; std::nullopt for other extensions.
 [[nodiscard]] std::optional<FileKind> file_kind(std::string_view file_name);
 

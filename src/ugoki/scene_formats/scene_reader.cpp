@@ -12,21 +12,14 @@
 #include <string>
 
 #include "ugoki/base/number.h"
-#include "ugoki/formats/file_axes.h"
 #include "ugoki/formats/text.h"
 #include "ugoki/scene_formats/collada_core.h"
 #include "ugoki/scene_formats/fbx_core.h"
 #include "ugoki/scene_formats/scene_file.h"
+#include "ugoki/scene_formats/scene_joints.h"
 
 namespace ugoki::scene_formats {
 namespace {
-
-/// Affine map x -> M x + p. M may contain scaling.
-struct Affine {
-  Mat3 M = Mat3::identity();
-  Vec3 p;
-  friend Affine operator*(const Affine& a, const Affine& b) { return {a.M * b.M, a.M * b.p + a.p}; }
-};
 
 Vec3 vec_of(const aiVector3D& v) { return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)}; }
 Quat quat_of(const aiQuaternion& q) {
@@ -37,20 +30,6 @@ Affine affine_of(const aiMatrix4x4& m) {
   return {{d(m.a1), d(m.a2), d(m.a3), d(m.b1), d(m.b2), d(m.b3), d(m.c1), d(m.c2), d(m.c3)}, {d(m.a4), d(m.b4), d(m.c4)}};
 }
 
-/// The rotation closest to M (polar decomposition by Newton's iteration); std::nullopt if M is singular or a reflection.
-std::optional<Mat3> nearest_rotation(Mat3 M) {
-  for (int i = 0; i < 60; ++i) {
-    const double det = M.determinant();
-    if (!(std::fabs(det) > 1e-18) || !std::isfinite(det)) return std::nullopt;
-    const Mat3 next = (M + inverse(M).transposed()) * 0.5;
-    const Mat3 change = next - M;
-    M = next;
-    if (norm(change.row(0)) + norm(change.row(1)) + norm(change.row(2)) < 1e-15) break;
-  }
-  if (M.determinant() < 0) return std::nullopt;
-  return M;
-}
-
 /// A node of assimp's scene.
 struct Node {
   const aiNode* node;
@@ -58,13 +37,6 @@ struct Node {
   int joint = -1;                                     ///< index of the skeleton joint; -1: none
   bool bone = false, animated = false, keep = false;  ///< keep: the node becomes a joint
   Affine rest;                                        ///< world transform in the rest pose, in the file's axes and units
-};
-
-/// Conversion from the file's world to Ugoki's (Z up, metres).
-struct Frame {
-  Mat3 R = Mat3::identity();
-  double metres = 1;
-  [[nodiscard]] Vec3 position(const Vec3& p) const { return R * p * metres; }
 };
 
 /// Chooses the joints and samples the animations of a scene.
@@ -133,7 +105,7 @@ class SceneReader {
       }
     }
     for (const Node& n : nodes_)
-      if (!is_finite(n.rest.p) || !is_finite(n.rest.M.row(0)) || !is_finite(n.rest.M.row(1)) || !is_finite(n.rest.M.row(2)))
+      if (!is_finite(n.rest))
         return refuse(ErrorCode::range, "The transformation of the node " + formats::in_quotes(n.node->mName.C_Str()) + " is not finite.",
                       "Export it again.");
     return true;
@@ -185,13 +157,8 @@ class SceneReader {
     const bool fbx = number("UnitScaleFactor").has_value() || number("UpAxis").has_value();
     const int up = fbx ? static_cast<int>(number("UpAxis").value_or(1)) : collada_up_;
     const double sign = fbx && number("UpAxisSign").value_or(1) < 0 ? -1 : 1;
-    if (up == 2)
-      frame_.R = Mat3::identity();
-    else if (up == 0)
-      frame_.R = {0, 1, 0, 0, 0, 1, 1, 0, 0};
-    else
-      frame_.R = {0, 0, 1, 1, 0, 0, 0, 1, 0};
-    if (sign < 0) frame_.R = Mat3::diagonal(1, -1, -1) * frame_.R;
+    R_ = axes_with_up(up);
+    if (sign < 0) R_ = Mat3::diagonal(1, -1, -1) * R_;
     notes_.z_up = up == 2;
     const double scale = number("UnitScaleFactor").value_or(1);
     double metres = fbx ? 0.01 * (std::isfinite(scale) && scale > 0 ? scale : 1) : 1;
@@ -204,36 +171,16 @@ class SceneReader {
           low[k] = std::min(low[k], nodes_[i].rest.p[k]);
           high[k] = std::max(high[k], nodes_[i].rest.p[k]);
         }
-      const double extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
-      if (extent > 0 && (extent * metres > 20 || extent * metres < 0.01)) {
-        const formats::UnitGuess guess = formats::guess_unit(extent);
-        notes_.remarks.push_back("With the unit of the file the skeleton would be " + to_fixed(extent * metres, 3) +
-                                 " m large; the unit is assumed to be " + to_text(guess.metres) + " m.");
-        notes_.unit_guessed = true;
-        metres = guess.metres;
-      }
+      metres = plausible_unit(std::max({high.x - low.x, high.y - low.y, high.z - low.z}), metres, notes_);
     }
-    frame_.metres = metres;
+    metres_ = metres;
     notes_.metres_per_unit = metres;
   }
 
   void make_skeleton() {
-    skeleton_.name = formats::stem_of(file_name_);
-    skeleton_.unit = frame_.metres;
-    std::map<std::string, int, std::less<>> used;
-    for (const std::size_t i : joints_) {
-      const Node& n = nodes_[i];
-      SkeletonJoint joint;
-      joint.name = formats::utf8(n.node->mName.C_Str());
-      if (joint.name.empty()) joint.name = "joint";
-      const std::string stem = joint.name;
-      for (int k = 2; !used.emplace(joint.name, 1).second; ++k) joint.name = stem + "_" + std::to_string(k);
-      joint.parent = parent_joint(i);
-      const Vec3 here = frame_.position(n.rest.p);
-      joint.offset = joint.parent < 0 ? here : here - frame_.position(nodes_[joints_[static_cast<std::size_t>(joint.parent)]].rest.p);
-      joint.dofs = {{{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}};
-      skeleton_.joints.push_back(std::move(joint));
-    }
+    frames_ = SceneJoints(R_, metres_);
+    for (const std::size_t i : joints_) frames_.add(formats::utf8(nodes_[i].node->mName.C_Str()), parent_joint(i), nodes_[i].rest);
+    frames_.skeleton().name = formats::stem_of(file_name_);
     for (const Node& n : nodes_) rest_locals_.push_back(affine_of(n.node->mTransformation));
   }
 
@@ -248,7 +195,7 @@ class SceneReader {
     MeasuredMotion m;
     m.name = std::move(name);
     m.source = std::string(file_name_);
-    m.skeleton = skeleton_;
+    m.skeleton = frames_.skeleton();
     return m;
   }
 
@@ -257,29 +204,9 @@ class SceneReader {
     world_.resize(nodes_.size());
     for (std::size_t i = 0; i < nodes_.size(); ++i)
       world_[i] = nodes_[i].parent < 0 ? locals[i] : world_[static_cast<std::size_t>(nodes_[i].parent)] * locals[i];
-    std::vector<Mat3> turned(joints_.size());
-    for (std::size_t j = 0; j < joints_.size(); ++j) {
-      const std::size_t i = joints_[j];
-      const int parent = skeleton_.joints[j].parent;
-      // G: rotation of the joint from the rest pose, in which joint frames are parallel to the world's axes.
-      std::optional<Mat3> G;
-      if (std::fabs(nodes_[i].rest.M.determinant()) > 1e-18)
-        G = nearest_rotation(frame_.R * (world_[i].M * inverse(nodes_[i].rest.M)) * frame_.R.transposed());
-      if (!G) {
-        ++flat_;
-        G = parent < 0 ? Mat3::identity() : turned[static_cast<std::size_t>(parent)];
-      }
-      turned[j] = *G;
-      const Vec3 p = frame_.position(world_[i].p);
-      if (parent < 0) {
-        motion.translations.push_back(p);
-        motion.rotations.push_back(to_quat(*G));
-      } else {
-        const Mat3& up = turned[static_cast<std::size_t>(parent)];
-        motion.translations.push_back(transpose_times(up, p - frame_.position(world_[joints_[static_cast<std::size_t>(parent)]].p)));
-        motion.rotations.push_back(to_quat(up.transposed() * *G));
-      }
-    }
+    joint_world_.clear();
+    for (const std::size_t i : joints_) joint_world_.push_back(world_[i]);
+    frames_.append_frame(motion, joint_world_);
   }
 
   /// Value at time t [ticks], linearly interpolated between the keys.
@@ -350,11 +277,7 @@ class SceneReader {
     }
     if (!(last >= first)) return false;
     double rate = options_.rate;
-    if (!(rate > 0)) {
-      rate = std::isfinite(closest) ? std::min(ticks / closest, 1000.0) : 30;
-      if (const double whole = std::round(rate); whole >= 1 && std::fabs(rate / whole - 1) < 2e-3) rate = whole;
-      rate = std::max(rate, 1.0);
-    }
+    if (!(rate > 0)) rate = rate_of_gap(closest / ticks);
     const double span = (last - first) / ticks;
     const double frames = std::floor(span * rate + 1.5);
     if (!(frames * static_cast<double>(joints_.size()) <= 2e7))
@@ -374,7 +297,6 @@ class SceneReader {
     }
     std::vector<Cursor> cursors(nodes_.size());
     std::vector<Affine> locals = rest_locals_;
-    flat_ = 0;
     for (int f = 0; f < motion.frames; ++f) {
       const double t = std::min(first + f / rate * ticks, last);
       for (std::size_t i = 0; i < nodes_.size(); ++i)
@@ -384,8 +306,8 @@ class SceneReader {
     for (const Vec3& p : motion.translations)
       if (!is_finite(p) || norm(p) > formats::max_magnitude)
         return refuse(ErrorCode::range, "A position is not finite or more than 1e9 m from the origin.", "Export it again.");
-    if (flat_ > 0)
-      notes_.remarks.push_back("Some joints are scaled to nothing or mirrored in " + std::to_string(flat_) +
+    if (const long flat = frames_.take_flat(); flat > 0)
+      notes_.remarks.push_back("Some joints are scaled to nothing or mirrored in " + std::to_string(flat) +
                                " joint poses; these poses use the rotation of their parents.");
     notes_.frame_time = 1 / rate;
     return true;
@@ -410,11 +332,12 @@ class SceneReader {
   std::vector<Node> nodes_;
   std::map<std::string, int, std::less<>> index_;
   std::vector<std::size_t> joints_;  ///< [joints] index in nodes_
-  Frame frame_;
-  Skeleton skeleton_;
+  Mat3 R_ = Mat3::identity();  ///< from the file's axes to ours
+  double metres_ = 1;          ///< m per file unit
+  SceneJoints frames_;
   std::vector<Affine> rest_locals_;  ///< [nodes] transformation relative to the parent in the rest pose
   std::vector<Affine> world_;        ///< [nodes] world transform in the frame that add_frame() computes
-  long flat_ = 0;                    ///< number of joint poses from which no rotation can be computed (zero scale or mirrored)
+  std::vector<Affine> joint_world_;  ///< [joints] the same of the joints
 };
 
 }  // namespace

@@ -38,6 +38,7 @@ const char* name_of(intake::FileKind kind) {
     case intake::FileKind::csv: return "CSV";
     case intake::FileKind::gltf: return "glTF";
     case intake::FileKind::scene: return "FBX or COLLADA";
+    case intake::FileKind::usd: return "USD";
     case intake::FileKind::mvnx: return "MVNX";
     case intake::FileKind::smpl: return "SMPL";
     case intake::FileKind::mechanism_json: return "Mechanism";

@@ -12,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "ugoki/store/connection.h"
 #include "ugoki/store/library.h"
 #include "ugoki/studio/display_json.h"
 #include "ugoki/studio/error_json.h"
@@ -24,6 +25,7 @@
 #include "ugoki/studio/server.h"
 #include "ugoki/studio/session.h"
 #include "ugoki/studio/static_files.h"
+#include "ugoki/studio/sweep_service.h"
 #include "ugoki/studio/task_queue.h"
 
 namespace ugoki::studio {
@@ -88,7 +90,8 @@ class LateOutbox final : public Outbox {
 /// waits for the library's thread.
 class Studio::Impl final : public ServerEvents {
  public:
-  Impl(const StudioOptions& options, project::Project project) : library_(options.library_path) {
+  Impl(const StudioOptions& options, project::Project project)
+      : library_location_(options.library_path), library_(options.library_path) {
     const std::string choices = (std::filesystem::path(store::Library::folder_of(options.library_path)) / "choices.json").string();
     const std::string recent = (std::filesystem::path(store::Library::folder_of(options.library_path)) / "recent.json").string();
     const SessionOptions session{[this](LibraryWork work) { use_library(std::move(work)); }, recent, choices, options.interpreter};
@@ -221,6 +224,7 @@ class Studio::Impl final : public ServerEvents {
   LateOutbox outbox_;
   std::unique_ptr<Server> server_;
   std::unique_ptr<Session> session_;
+  const std::string library_location_;
   LibraryService library_;
   ImportService imports_;
   std::unique_ptr<LibraryQueue> library_queue_;
@@ -319,6 +323,17 @@ void Studio::Impl::on_api(ApiRequest request, std::function<void(ApiReply)> answ
         Result<ApiReply> file = *ugx ? export_content(form, name, **ugx) : fail(ugx->error());
         answered(file ? std::move(*file) : refused(file.error()));
       });
+    });
+  } else if (is_sweep_path(path) && get) {
+    session_queue_->post([this, asked = std::move(request), reply = std::move(answer)]() mutable {
+      const std::filesystem::path folder = std::filesystem::absolute(session_->project().path()).parent_path();
+      const auto work = [asked, places = SweepPlaces{folder.string(), library_location_}] {
+        Result<ApiReply> made = answer_sweeps(asked, places);
+        return made ? std::move(*made) : refused(made.error());
+      };
+      // a database server may not respond, so only the library's thread asks it
+      if (store::is_postgres(library_location_)) return answer_on_library(std::move(reply), work);
+      display_queue_->post([work, answered = std::move(reply)] { answered(work()); });
     });
   } else if (path == "/api/reference-character" && get) {
     const Result<std::optional<double>> height = query_number(request.query, "height", 0.3, 3);

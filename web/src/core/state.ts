@@ -103,7 +103,7 @@ export interface StudioState {
   toasts: Toast[];
   /** The camera of the viewport: 'free' (moved by the user), 'shots' (the shot at the playhead), or the id of a camera of the document. */
   through: string;
-  dialog: 'none' | 'palette' | 'keys' | 'save_as' | 'open' | 'new';
+  dialog: 'none' | 'palette' | 'keys' | 'save_as' | 'open' | 'new' | 'sweep';
 }
 
 export const initial_transport: Transport = {

@@ -2,7 +2,7 @@
 import type { Engine } from './engine';
 import { in_range } from './ranges';
 import { set_engine_source, UgokiPlayer } from './element';
-import { from_base91, inline_data } from './payload';
+import { engine_of, inline_data } from './payload';
 import { draw_pictures } from './pictures';
 import { open_remote_engine } from './remote_engine';
 import { open_wasm_engine } from './wasm_engine';
@@ -29,7 +29,7 @@ async function open_engine(src: string | null): Promise<Engine> {
   return open_wasm_engine(wasm, content);
 }
 
-let engine_bytes = (): Promise<Uint8Array<ArrayBuffer> | null> => inline_data('ugoki-engine', from_base91);
+let engine_bytes = (): Promise<Uint8Array<ArrayBuffer> | null> => inline_data('ugoki-engine', engine_of);
 /** Sets an engine that is not inside the page: the script ugoki-player.js contains the engine. */
 export function set_engine_bytes(get: () => Promise<Uint8Array<ArrayBuffer> | null>): void {
   engine_bytes = get;

@@ -1,4 +1,8 @@
-/** Reads the data inside an exported page: gzip as text. Content is in Base64; engine and script are in base 91, which is 8 % shorter. */
+/**
+ * Reads the data inside an exported page. The content is gzip in Base64, the script gzip in base 91, which is 8 % shorter, and the engine LZMA in
+ * base 91.
+ */
+import { from_lzma } from './lzma';
 
 /** Decodes Base64 text; white space is ignored. */
 export function from_base64(text: string): Uint8Array<ArrayBuffer> {
@@ -28,6 +32,9 @@ export function from_base91(text: string): Uint8Array<ArrayBuffer> {
   }
   return bytes;
 }
+
+/** The engine in the text that player/build.mjs makes of it. */
+export const engine_of = (text: string): Uint8Array<ArrayBuffer> => from_lzma(from_base91(text));
 
 /** Unpacks gzip data; returns other data unchanged. */
 export async function unpack(bytes: Uint8Array<ArrayBuffer>): Promise<Uint8Array<ArrayBuffer>> {

@@ -445,6 +445,7 @@ const commands: AppCommand[] = [
   ] as const).map(([form, what, ending]): AppCommand => ({ id: `file.export_${form}`, label: `Export as ${what}…`, group: 'Project', enabled: has_document, run: () => void export_as(form, ending) })),
 
   { id: 'file.export_picture', label: 'Save a picture of the viewport (PNG)', group: 'Project', keys: ['F2'], enabled: () => has_document() && parts.viewport !== null, run: () => void export_picture() },
+  { id: 'file.sweep', label: 'Plot results of a sweep…', group: 'Project', enabled: has_document, run: () => session.set({ dialog: 'sweep' }) },
   { id: 'file.export_measures', label: 'Export naturalness as CSV', group: 'Project', enabled: () => state().measures.frames > 1, run: export_measures },
 
   { id: 'edit.undo', repeats: true, label: 'Undo', group: 'Edit', keys: ['Ctrl+Z'], enabled: () => state().can_undo, run: () => session.undo() },

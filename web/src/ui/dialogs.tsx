@@ -5,6 +5,7 @@ import { code_in } from '../core/access';
 import { access, registry, session, useStudio } from './app';
 import { NewDialog, OpenDialog } from './files';
 import { Icon } from './icons';
+import { SweepDialog } from './SweepDialog';
 
 const close = (): void => session.set({ dialog: 'none' });
 
@@ -15,6 +16,7 @@ export function Dialogs(): ReactElement | null {
   if (dialog === 'save_as') return <SaveAs />;
   if (dialog === 'open') return <OpenDialog />;
   if (dialog === 'new') return <NewDialog />;
+  if (dialog === 'sweep') return <SweepDialog />;
   return null;
 }
 

@@ -37,6 +37,7 @@ export function ProjectMenu(): ReactElement {
     command('file.export_csv'),
     command('file.export_picture', true),
     command('file.export_measures'),
+    command('file.sweep', true),
   ];
   return (
     <>

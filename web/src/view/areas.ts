@@ -11,10 +11,12 @@ export interface Area {
 
 const margin = 2; // px: rounding of corners to pixels
 const nearest = 1e-3; // smallest depth in front of the camera that is drawn, m; smaller than the near distance of every camera
-const pass_cost = 100_000; // px: drawing one more area takes about the time of this many pixels, because all vertices are processed again
+
+const area_cost = 10_000; // px: each area has its own calls of WebGL, which take about the time of this many pixels
 
 const size = (a: Area): number => (a.right - a.left) * (a.top - a.bottom);
-const join = (a: Area, b: Area): Area => ({
+/** The smallest area that contains both. */
+export const join = (a: Area, b: Area): Area => ({
   left: Math.min(a.left, b.left),
   bottom: Math.min(a.bottom, b.bottom),
   right: Math.max(a.right, b.right),
@@ -60,9 +62,9 @@ function each_box(object: THREE.Object3D, take: (box: THREE.Box3, to_world: THRE
 /**
  * Areas that contain every visible mesh, line and point of a scene. World matrices must be up to date.
  * @param without objects that are left out, with everything in them  @param width, height size of the picture, px
- * @return areas within the picture; close areas are joined; null if the bounds of an object are not known
+ * @return disjoint areas within the picture; the whole picture if the bounds of an object are not known
  */
-export function drawn_areas(scene: THREE.Object3D, without: readonly THREE.Object3D[], camera: THREE.Camera, width: number, height: number): Area[] | null {
+export function drawn_areas(scene: THREE.Object3D, without: readonly THREE.Object3D[], camera: THREE.Camera, width: number, height: number): Area[] {
   const areas: Area[] = [];
   const to_clip = new THREE.Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
   const matrix = new THREE.Matrix4();
@@ -99,16 +101,18 @@ export function drawn_areas(scene: THREE.Object3D, without: readonly THREE.Objec
     for (const child of object.children) visit(child);
   };
   visit(scene);
-  return known ? join_areas(areas) : null;
+  return known ? join_areas(areas) : [{ left: 0, bottom: 0, right: width, top: height }];
 }
 
-/** Joins areas where one pass over the common rectangle costs less than one pass over each. */
+/** Joins areas that meet, and areas whose common rectangle is little larger than both. @return disjoint areas */
 export function join_areas(areas: readonly Area[]): Area[] {
   const out: Area[] = [];
   for (let next of areas) {
     for (let i = 0; i < out.length; i++) {
-      const both = join(out[i]!, next);
-      if (size(both) > size(out[i]!) + size(next) + pass_cost) continue;
+      const a = out[i]!;
+      const both = join(a, next);
+      const apart = a.left >= next.right || a.right <= next.left || a.bottom >= next.top || a.top <= next.bottom;
+      if (apart && size(both) > size(a) + size(next) + area_cost) continue;
       next = both;
       out.splice(i, 1);
       i = -1; // the larger area may meet areas that were passed over
@@ -116,23 +120,4 @@ export function join_areas(areas: readonly Area[]): Area[] {
     out.push(next);
   }
   return out;
-}
-
-/** Disjoint areas that cover the part of a picture outside `areas`. @param width, height size of the picture, px */
-export function areas_outside(areas: readonly Area[], width: number, height: number): Area[] {
-  let free: Area[] = [{ left: 0, bottom: 0, right: width, top: height }];
-  for (const a of areas) {
-    free = free.flatMap((f) => {
-      if (a.left >= f.right || a.right <= f.left || a.bottom >= f.top || a.top <= f.bottom) return [f];
-      const bottom = Math.max(f.bottom, a.bottom);
-      const top = Math.min(f.top, a.top);
-      return [
-        { ...f, top: bottom },
-        { ...f, bottom: top },
-        { left: f.left, bottom, right: a.left, top },
-        { left: a.right, bottom, right: f.right, top },
-      ].filter((r) => r.left < r.right && r.bottom < r.top);
-    });
-  }
-  return free;
 }

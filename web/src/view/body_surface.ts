@@ -4,12 +4,21 @@ import type { MechanismData } from '../core/protocol';
 import { BodyField, bind_poses, is_body, type FieldLink } from './body_field';
 
 export interface BodySurface {
-  /** Attributes position and normal (bind pose), skinIndex (links) and skinWeight. */
+  /** Attributes position and normal (bind pose), skinIndex (links) and skinWeight. The draw range is the surface that is shown. */
   geometry: THREE.BufferGeometry;
+  /** Ranges of the index: of the surface that is shown, and of a coarser one, which casts its shadow in a quarter of the time. */
+  shown: IndexRange;
+  shadow: IndexRange;
   /** Inverse of the bind pose of every link. */
   inverses: THREE.Matrix4[];
 }
 
+export interface IndexRange {
+  start: number;
+  count: number;
+}
+
+const shadow_cells_over_height = 65; // edges of shadows move by at most 2 mm, less than a texel of the shadow map
 const cells_over_height = 130; // 14 mm for a person of 1.8 m: fingers and toes of the samples have no shapes of their own
 /** Maximum number of links of a body; sets the size of a uniform array of the shader, of which WebGL 2 guarantees 256 vectors. */
 export const max_links = 96;
@@ -19,25 +28,33 @@ export function make_body_surface(mechanism: MechanismData): BodySurface | null 
   if (!is_body(mechanism) || mechanism.links.length > max_links) return null;
   const bind = bind_poses(mechanism);
   const field = new BodyField(mechanism, bind);
-  const { positions, indices } = mesh_of(field);
-  if (indices.length === 0) return null;
+  const fine = mesh_of(field, cells_over_height);
+  const coarse = mesh_of(field, shadow_cells_over_height);
+  if (fine.indices.length === 0) return null;
+  const positions = new Float32Array(fine.positions.length + coarse.positions.length);
+  positions.set(fine.positions);
+  positions.set(coarse.positions, fine.positions.length);
+  const first = fine.positions.length / 3;
+  const indices = new Uint32Array([...fine.indices, ...coarse.indices.map((i) => first + i)]);
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('position', new THREE.BufferAttribute(positions, 3));
   geometry.setAttribute('normal', new THREE.BufferAttribute(normals_of(field, positions), 3));
   const { links, weights } = weights_of(field, positions);
   geometry.setAttribute('skinIndex', new THREE.BufferAttribute(links, 4));
   geometry.setAttribute('skinWeight', new THREE.BufferAttribute(weights, 4));
-  geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(indices), 1));
+  geometry.setIndex(new THREE.BufferAttribute(indices, 1));
   geometry.computeBoundingSphere();
-  return { geometry, inverses: bind.map((m) => m.clone().invert()) };
+  const shown = { start: 0, count: fine.indices.length };
+  geometry.setDrawRange(shown.start, shown.count);
+  return { geometry, shown, shadow: { start: shown.count, count: coarse.indices.length }, inverses: bind.map((m) => m.clone().invert()) };
 }
 
 /** The zero level as a mesh by surface nets: one vertex for each cell that the level crosses, one quad for each crossed edge. */
-function mesh_of(field: BodyField): { positions: Float32Array; indices: number[] } {
+function mesh_of(field: BodyField, cells: number): { positions: Float32Array; indices: number[] } {
   const box = new THREE.Box3();
   for (const link of field.links) box.union(new THREE.Box3().setFromCenterAndSize(link.centre, new THREE.Vector3().setScalar(2 * (link.reach + link.blend))));
   const size = box.getSize(new THREE.Vector3());
-  const h = Math.max(size.x, size.y, size.z) / cells_over_height;
+  const h = Math.max(size.x, size.y, size.z) / cells;
   const [nx, ny, nz] = [Math.ceil(size.x / h) + 3, Math.ceil(size.y / h) + 3, Math.ceil(size.z / h) + 3];
   const origin = box.min.clone().subScalar(h);
   const values = new Float32Array(nx * ny * nz).fill(1);

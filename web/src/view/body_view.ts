@@ -73,6 +73,9 @@ export class BodySkin {
     this.bones = new LinkBones(surface);
     this.mesh = this.bones.mesh(surface, this.material);
     this.mesh.castShadow = this.mesh.receiveShadow = true;
+    const { geometry, shown, shadow } = surface;
+    this.mesh.onBeforeShadow = () => geometry.setDrawRange(shadow.start, shadow.count);
+    this.mesh.onAfterShadow = () => geometry.setDrawRange(shown.start, shown.count);
   }
 
   /** Colours of all links; null: all have the colour of the material. Colours change over a short distance around a joint. */

@@ -213,6 +213,14 @@ export class Floor {
     this.uniforms.u_strength.value = strength;
   }
 
+  /** True: the floor is drawn into the depth buffer only, before the bodies, so that it hides the parts of bodies below it. */
+  set_depth_only(on: boolean): void {
+    for (const [order, mesh] of [this.patches, this.disc].entries()) {
+      (mesh.material as THREE.Material).colorWrite = !on;
+      mesh.renderOrder = order + (on ? -2 : 1);
+    }
+  }
+
   /** Centres the visible floor. @param x, y m  @param reach radius beyond which only the background is visible, m */
   set_focus(x: number, y: number, reach: number): void {
     this.uniforms.u_focus.value.set(x, y);

@@ -1,70 +1,159 @@
-/** Draws pictures with smooth edges in less time: four samples a pixel only in the areas in which objects other than floor and sky are drawn. */
+/**
+ * Draws pictures with smooth edges in less time. Floor and sky have no edges within the picture, so they are drawn with one sample a pixel.
+ * The other objects are drawn with four samples a pixel on a transparent ground, in the part of the picture that contains them, and put over
+ * floor and sky. The result is that of four samples a pixel everywhere, except for rounding: all samples of the floor in a pixel have the
+ * colour at the centre of the pixel.
+ */
 import * as THREE from 'three';
-import { areas_outside, drawn_areas, type Area } from './areas';
+import { drawn_areas, join, type Area } from './areas';
 
-/** Layer of the floor, the sky and the lights. Objects on it are drawn outside the areas too. */
+/** Layer of the floor, the sky and the lights: the objects that are drawn with one sample a pixel. */
 export const floor_layer = 3;
 
 const samples = 4;
-const max_part = 0.8; // if the areas are a larger part of the picture, it is drawn in one pass
+const max_areas = 64; // if there are more, their common rectangle is drawn
+
+/** Objects with one sample a pixel. */
+export interface Backdrop {
+  floor: THREE.Object3D;
+  sky: THREE.Object3D;
+  /** True: the floor is drawn into the depth buffer only, before the objects, so that it hides what is below it. */
+  set_depth_only(on: boolean): void;
+}
 
 export class SmoothAreas {
+  private readonly gl: WebGL2RenderingContext;
   private target: THREE.WebGLRenderTarget | null = null;
+  private resolved: THREE.WebGLRenderTarget | null = null;
+  /** Framebuffer of `target`: colour and depth with several samples. */
+  private buffers: { frame: WebGLFramebuffer; color: WebGLRenderbuffer; depth: WebGLRenderbuffer } | null = null;
+  private readonly cover: THREE.Mesh<THREE.BufferGeometry, THREE.RawShaderMaterial>;
+  private readonly cover_scene = new THREE.Scene();
+  /** Two triangles for each area, in the coordinates of the picture (-1 ... 1). */
+  private readonly corners = new THREE.BufferAttribute(new Float32Array(18 * max_areas), 3).setUsage(THREE.DynamicDrawUsage);
 
-  constructor(private readonly renderer: THREE.WebGLRenderer) {}
+  constructor(private readonly renderer: THREE.WebGLRenderer) {
+    this.gl = renderer.getContext() as WebGL2RenderingContext;
+    const material = new THREE.RawShaderMaterial({
+      glslVersion: THREE.GLSL3,
+      uniforms: { u_picture: { value: null } },
+      vertexShader: 'in vec3 position;\nvoid main() { gl_Position = vec4(position, 1.0); }',
+      fragmentShader: 'precision highp float;\nuniform sampler2D u_picture;\nout vec4 color;\nvoid main() { color = texelFetch(u_picture, ivec2(gl_FragCoord.xy), 0); }',
+      blending: THREE.CustomBlending,
+      blendSrc: THREE.OneFactor,
+      blendDst: THREE.OneMinusSrcAlphaFactor,
+      transparent: true,
+      depthTest: false,
+      depthWrite: false,
+    });
+    this.cover = new THREE.Mesh(new THREE.BufferGeometry().setAttribute('position', this.corners), material);
+    this.cover.frustumCulled = false;
+    this.cover_scene.add(this.cover);
+  }
 
-  /** Draws the scene into the canvas. World matrices must be up to date. @param backdrop the objects outside the areas, on floor_layer */
-  render(scene: THREE.Scene, camera: THREE.Camera, backdrop: readonly THREE.Object3D[]): void {
+  /** Draws the scene into the canvas. World matrices must be up to date. The objects of the backdrop, and the lights, are on floor_layer. */
+  render(scene: THREE.Scene, camera: THREE.Camera, backdrop: Backdrop): void {
     const { renderer } = this;
     const { x: width, y: height } = renderer.getDrawingBufferSize(new THREE.Vector2());
-    const whole: Area = { left: 0, bottom: 0, right: width, top: height };
-    let areas = drawn_areas(scene, backdrop, camera, width, height) ?? [whole];
-    if (areas.reduce((sum, a) => sum + (a.right - a.left) * (a.top - a.bottom), 0) > max_part * width * height) areas = [whole];
-    const target = this.sized(width, height);
-    target.scissorTest = true;
-    renderer.setRenderTarget(target);
-    for (const area of areas) {
-      scissor(target.scissor, area);
-      renderer.setRenderTarget(target);
-      renderer.render(scene, camera);
-      renderer.shadowMap.autoUpdate = false; // the shadows are the same in every area
-    }
-    renderer.setRenderTarget(null);
+    let areas = drawn_areas(scene, [backdrop.floor, backdrop.sky], camera, width, height);
+    if (areas.length > max_areas) areas = [areas.reduce(join)];
+    this.draw_objects(scene, camera, backdrop, areas, width, height);
+    renderer.shadowMap.autoUpdate = false; // the shadows are those of the first pass
     const { mask } = camera.layers;
     camera.layers.set(floor_layer);
-    renderer.setScissorTest(true);
-    for (const area of areas_outside(areas, width, height)) {
-      const ratio = renderer.getPixelRatio();
-      renderer.setScissor(area.left / ratio, area.bottom / ratio, (area.right - area.left) / ratio, (area.top - area.bottom) / ratio);
-      renderer.render(scene, camera);
-    }
-    renderer.setScissorTest(false);
-    renderer.shadowMap.autoUpdate = true;
+    renderer.setRenderTarget(null);
+    renderer.render(scene, camera);
     camera.layers.mask = mask;
-    this.copy(areas);
+    renderer.shadowMap.autoUpdate = true;
+    if (areas.length === 0) return;
+    areas.forEach(({ left, bottom, right, top }, i) => {
+      const [l, b, r, t] = [(2 * left) / width - 1, (2 * bottom) / height - 1, (2 * right) / width - 1, (2 * top) / height - 1];
+      this.corners.array.set([l, b, 0, r, b, 0, r, t, 0, l, b, 0, r, t, 0, l, t, 0], 18 * i);
+    });
+    this.corners.needsUpdate = true;
+    this.cover.geometry.setDrawRange(0, 6 * areas.length);
+    renderer.autoClear = false;
+    this.cover.material.uniforms.u_picture!.value = this.resolved!.texture;
+    renderer.render(this.cover_scene, camera);
+    renderer.autoClear = true;
   }
 
   dispose(): void {
-    this.target?.dispose();
+    this.free();
+    this.cover.geometry.dispose();
+    this.cover.material.dispose();
   }
 
-  private sized(width: number, height: number): THREE.WebGLRenderTarget {
-    if (this.target?.width === width && this.target.height === height) return this.target;
-    this.target?.dispose();
-    this.target = new THREE.WebGLRenderTarget(width, height, { samples, colorSpace: THREE.SRGBColorSpace, internalFormat: 'RGBA8', resolveDepthBuffer: false, generateMipmaps: false });
+  /** Draws the objects within the areas into `resolved`: colours multiplied by the covered part of the pixel, which is alpha. */
+  private draw_objects(scene: THREE.Scene, camera: THREE.Camera, backdrop: Backdrop, areas: readonly Area[], width: number, height: number): void {
+    const { renderer, gl } = this;
+    this.allocate(width, height);
+    const { background } = scene;
+    const sky_shown = backdrop.sky.visible;
+    const alpha = renderer.getClearAlpha();
+    scene.background = null;
+    backdrop.sky.visible = false;
+    backdrop.set_depth_only(true);
+    renderer.setClearAlpha(0);
+    renderer.setRenderTarget(this.target);
+    for (const area of areas) {
+      scissor(this.target!.scissor, area);
+      renderer.setRenderTarget(this.target);
+      renderer.clear();
+    }
+    // Outside the areas nothing but the floor is drawn, into a depth buffer that is not cleared and not used there.
+    scissor(this.target!.scissor, areas.length > 0 ? areas.reduce(join) : { left: 0, bottom: 0, right: 0, top: 0 });
+    renderer.setRenderTarget(this.target);
+    renderer.autoClear = false;
+    renderer.render(scene, camera);
+    renderer.autoClear = true;
+    renderer.setClearAlpha(alpha);
+    backdrop.set_depth_only(false);
+    backdrop.sky.visible = sky_shown;
+    scene.background = background;
+    const { __webglFramebuffer: to } = renderer.properties.get(this.resolved) as { __webglFramebuffer: WebGLFramebuffer };
+    renderer.state.bindFramebuffer(gl.READ_FRAMEBUFFER, this.buffers!.frame);
+    renderer.state.bindFramebuffer(gl.DRAW_FRAMEBUFFER, to);
+    gl.disable(gl.SCISSOR_TEST);
+    for (const { left, bottom, right, top } of areas) gl.blitFramebuffer(left, bottom, right, top, left, bottom, right, top, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+    gl.enable(gl.SCISSOR_TEST); // as three.js has left it
+    renderer.state.bindFramebuffer(gl.READ_FRAMEBUFFER, null as unknown as WebGLFramebuffer); // whoever reads the picture reads the canvas
+  }
+
+  private allocate(width: number, height: number): void {
+    if (this.target?.width === width && this.target.height === height) return;
+    this.free();
+    const { renderer, gl } = this;
+    this.resolved = new THREE.WebGLRenderTarget(width, height, { depthBuffer: false, minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter });
+    renderer.initRenderTarget(this.resolved);
+    // three.js would resolve the whole picture after each pass, so this framebuffer is made and resolved here.
+    const make = (format: number): WebGLRenderbuffer => {
+      const buffer = gl.createRenderbuffer();
+      gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
+      gl.renderbufferStorageMultisample(gl.RENDERBUFFER, samples, format, width, height);
+      return buffer;
+    };
+    this.buffers = { frame: gl.createFramebuffer(), color: make(gl.RGBA8), depth: make(gl.DEPTH_COMPONENT24) };
+    gl.bindRenderbuffer(gl.RENDERBUFFER, null);
+    renderer.state.bindFramebuffer(gl.FRAMEBUFFER, this.buffers.frame);
+    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.RENDERBUFFER, this.buffers.color);
+    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, this.buffers.depth);
+    this.target = new THREE.WebGLRenderTarget(width, height, { colorSpace: THREE.SRGBColorSpace });
+    this.target.scissorTest = true;
     // Colours are written as into the canvas (sRGB) instead of linearly.
     (this.target as THREE.WebGLRenderTarget & { isXRRenderTarget: boolean }).isXRRenderTarget = true;
-    return this.target;
+    // @types/three does not declare this function.
+    (renderer as unknown as { setRenderTargetFramebuffer(target: THREE.WebGLRenderTarget, frame: WebGLFramebuffer): void }).setRenderTargetFramebuffer(this.target, this.buffers.frame);
   }
 
-  /** Copies areas of the target into the canvas. */
-  private copy(areas: readonly Area[]): void {
-    const gl = this.renderer.getContext() as WebGL2RenderingContext;
-    const { __webglFramebuffer: from } = this.renderer.properties.get(this.target) as { __webglFramebuffer: WebGLFramebuffer };
-    this.renderer.state.bindFramebuffer(gl.READ_FRAMEBUFFER, from);
-    this.renderer.state.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null as unknown as WebGLFramebuffer);
-    for (const { left, bottom, right, top } of areas) gl.blitFramebuffer(left, bottom, right, top, left, bottom, right, top, gl.COLOR_BUFFER_BIT, gl.NEAREST);
-    this.renderer.state.bindFramebuffer(gl.READ_FRAMEBUFFER, null as unknown as WebGLFramebuffer); // whoever reads the picture reads the canvas
+  private free(): void {
+    const { gl } = this;
+    this.resolved?.dispose();
+    if (!this.buffers) return;
+    gl.deleteFramebuffer(this.buffers.frame);
+    gl.deleteRenderbuffer(this.buffers.color);
+    gl.deleteRenderbuffer(this.buffers.depth);
+    this.buffers = this.target = this.resolved = null;
   }
 }
 

@@ -1,12 +1,13 @@
 #pragma once
-// Plots of `ugoki bake plot`: one column of a sweep's table over another column, as SVG.
+// Plots of tables of results: one column over another column, as SVG.
 
 #include <string>
 #include <vector>
 
 #include "ugoki/base/result.h"
+#include "ugoki/sweep/results.h"
 
-namespace ugoki::cli {
+namespace ugoki::sweep {
 
 /// The point of one run in a plot.
 struct PlotPoint {
@@ -24,7 +25,17 @@ struct PlotLabels {
 /// Errors: no points; more than 12 series.
 [[nodiscard]] Result<std::string> plot_svg(const std::vector<PlotPoint>& points, const PlotLabels& labels);
 
+/// A plot of a table of results.
+struct TablePlot {
+  std::string svg;
+  std::size_t points = 0;  ///< number of drawn runs
+};
+/// Draws the column `labels.y` over the column `labels.x`, with a series for each value of the column `labels.series` (empty: one series). Runs
+/// without a value are left out. An empty title becomes the names of the columns.
+/// Errors: those of read_columns() and plot_svg(); a value of `labels.y` is not a number.
+[[nodiscard]] Result<TablePlot> plot_table(const TableAddress& address, PlotLabels labels);
+
 /// Returns about `count` ticks of an axis from `low` to `high`. Their distance is 1, 2 or 5 times a power of ten.
 [[nodiscard]] std::vector<double> axis_ticks(double low, double high, int count);
 
-}  // namespace ugoki::cli
+}  // namespace ugoki::sweep

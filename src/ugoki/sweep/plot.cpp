@@ -1,4 +1,4 @@
-#include "sweep_plot.h"
+#include "ugoki/sweep/plot.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include "ugoki/base/number.h"
 #include "ugoki/publish/page.h"
 
-namespace ugoki::cli {
+namespace ugoki::sweep {
 namespace {
 
 constexpr double width = 720, height = 440;                      // px
@@ -144,4 +144,22 @@ Result<std::string> plot_svg(const std::vector<PlotPoint>& points, const PlotLab
   return out + "</svg>\n";
 }
 
-}  // namespace ugoki::cli
+Result<TablePlot> plot_table(const TableAddress& address, PlotLabels labels) {
+  std::vector<std::string> columns = {labels.x, labels.y};
+  if (!labels.series.empty()) columns.push_back(labels.series);
+  const Result<Results> read = read_columns(address, columns);
+  if (!read) return fail(read.error());
+  std::vector<PlotPoint> points;
+  for (const std::vector<std::string>& row : read->cells) {
+    if (row[0].empty() || row[1].empty()) continue;
+    const std::optional<double> y = parse_double(row[1]);
+    if (!y) return fail(ErrorCode::syntax, "--y " + labels.y, "'" + row[1] + "' is not a number.", "Choose a measure for --y.");
+    points.push_back({row[0], *y, labels.series.empty() ? "" : row[2]});
+  }
+  if (labels.title.empty()) labels.title = labels.y + " over " + labels.x;
+  Result<std::string> svg = plot_svg(points, labels);
+  if (!svg) return fail(std::move(svg.error()));
+  return TablePlot{std::move(*svg), points.size()};
+}
+
+}  // namespace ugoki::sweep
