@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include "ugoki/control/pose_finder.h"
 #include "ugoki/mechanism/state.h"
@@ -14,6 +12,8 @@ namespace ugoki::control {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr double converged = 3e-4;  // rad or m: change of the coordinates with which the inverse kinematics ends
 
 /// Goals of one posture. Lengths in m, angles in rad; a negative weight leaves a goal out.
 struct Goals {
@@ -165,7 +165,6 @@ class Planner {
         const Goals g = k > 0 ? blend(stages[at(k - 1)], stages[at(k)], static_cast<double>(j) / n) : stages[0];
         solve(g, 60);
         reversed.push_back({q_, stages[at(k)].time / n, centre_, X_[0].R});
-        if (std::getenv("GETUP_TRACE")) report(k, g);
       }
     }
     plan.way.assign(reversed.rbegin(), reversed.rend());
@@ -173,7 +172,7 @@ class Planner {
     plan.ball[1] = ball_[1];
     int end = -1;
     for (const int n : parts) plan.stage_end.push_back(end += n);
-    for (int side = 0; side < 2; ++side) plan.roll[side] = roll(side, plan.flat);
+    for (int side = 0; side < 2; ++side) plan.roll[side] = roll(side, plan.flat, usual_roll());
     return plan;
   }
 
@@ -203,53 +202,56 @@ class Planner {
       finder_.add_turn(b_.chest, rotation_about(y, g.chest) * rest_[at(b_.chest)], 0.5);
       finder_.add_axis(b_.head, b_.head_up, rotation_about(y, 0.6 * g.chest) * Vec3{0, 0, 1}, 0.1);
       if (g.centre_weight > 0) finder_.add_centre({g.centre, 0, 0}, {30 * g.centre_weight, 0, 0});
+      before_ = q_;
       finder_.step(preferred_, 0.003, 0.15, q_);
+      double change = 0;
+      for (std::size_t k = 0; k < q_.size(); ++k) change = std::max(change, std::fabs(q_[k] - before_[k]));
+      if (change < converged) break;
     }
     calc_poses(m_, q_, X_);
     centre_ = centre_of_mass(m_, X_);
   }
-  void report(int k, const Goals& g) {
-    const auto foot = X_[at(foot_[0])] * ball_[0];
-    const auto hand = X_[at(b_.place(0, Place::hand).link)] * b_.place(0, Place::hand).point;
-    const auto knee = X_[at(b_.place(0, Place::knee).link)].p;
-    std::printf("stage %d com %.3f %.3f (want %.3f) ball %.3f %.3f knee %.3f %.3f hand %.3f %.3f (want %.3f %.3f) root %.3f %.3f\n", k, centre_.x,
-                centre_.z, g.centre, foot.x, foot.z, knee.x, knee.z, hand.x, hand.z, g.hand_x, g.hand_z, X_[0].p.x, X_[0].p.z);
-  }
-
-  /// Posture that rolls the body from its back to one side: the other leg and the other arm cross over.
-  std::vector<double> roll(int side, const std::vector<double>& from) {
-    q_ = from;
+  /// Postures that roll the body from its back to one side.
+ public:
+  std::vector<GetUpPosture> roll(int side, std::span<const double> from, std::span<const RollGoals> parts) {
+    std::vector<GetUpPosture> out;
+    std::ranges::copy(from, q_.begin());
     calc_poses(m_, q_, X_);
+    const std::vector<Pose> X = X_;
     const double s = side == 0 ? 1 : -1;  // direction of the roll, y
-    const Pose root = X_[0];
-    const double arm = b_.arm_length, thigh = b_.thigh_length;
-    for (int i = 0; i < 200; ++i) {
-      finder_.begin(q_);
-      finder_.add_point(0, {}, root.p, {1e3, 1e3, 1e3});
-      finder_.add_turn(0, root.R, 1e3);
-      const int over = 1 - side, under = side;
-      const Vec3 hip = X_[at(b_.thigh[at(over)])].p, hip2 = X_[at(b_.thigh[at(under)])].p;
-      const Effector& knee = b_.place(over, Place::knee);
-      const Effector& knee2 = b_.place(under, Place::knee);
-      finder_.add_point(knee.link, knee.point, hip + Vec3{0.6, 0.7 * s, -0.4} * thigh, {1, 1, 1});
-      finder_.add_point(foot_[at(over)], {}, hip + Vec3{0.35, 0.9 * s, -0.75} * thigh, {0.3, 0.3, 0.3});
-      finder_.add_point(knee2.link, knee2.point, hip2 + Vec3{0, 0, -1} * thigh, {1, 1, 1});
-      const Vec3 shoulder = X_[at(b_.upper_arm[at(over)])].p, shoulder2 = X_[at(b_.upper_arm[at(under)])].p;
-      const Effector &hand = b_.place(over, Place::hand), &hand2 = b_.place(under, Place::hand);
-      finder_.add_point(hand.link, hand.point, shoulder + Vec3{0.45, 0.8 * s, 0.0} * arm, {1, 1, 1});
-      finder_.add_point(hand2.link, hand2.point, shoulder2 + Vec3{0.3, 0.1 * s, 0.95} * arm, {1, 1, 1});
-      finder_.add_turn(b_.chest, rotation_about({0, 0, 1}, 0.5 * s) * rest_[at(b_.chest)], 0.5);
-      finder_.add_turn(b_.head, rotation_about({0, 0, 1}, 0.8 * s) * rest_[at(b_.head)], 0.1);
-      finder_.step(from, 0.003, 0.15, q_);
+    const Vec3 z{0, 0, 1};
+    const auto mirrored = [s](const Vec3& x) { return Vec3{x.x, s * x.y, x.z}; };
+    const int over = 1 - side, under = side;
+    for (const RollGoals& g : parts) {
+      for (int i = 0; i < 80; ++i) {
+        finder_.begin(q_);
+        finder_.add_point(0, {}, X[0].p, {1e3, 1e3, 1e3});
+        finder_.add_turn(0, X[0].R, 1e3);
+        const auto reach = [&](const Effector& e, const Vec3& from_here, const Vec3& to, double length, double weight) {
+          finder_.add_point(e.link, e.point, from_here + mirrored(to) * length, Vec3{1, 1, 1} * weight);
+        };
+        const Vec3 far_hip = X[at(b_.thigh[at(over)])].p, near_hip = X[at(b_.thigh[at(under)])].p;
+        reach(b_.place(over, Place::knee), far_hip, g.far_knee, b_.thigh_length, 1);
+        reach(b_.place(over, Place::foot), far_hip, g.far_foot, b_.thigh_length, 1);
+        reach(b_.place(under, Place::knee), near_hip, g.near_knee, b_.thigh_length, 1);
+        reach(b_.place(under, Place::foot), near_hip, g.near_foot, b_.thigh_length, 1);
+        reach(b_.place(over, Place::hand), X[at(b_.upper_arm[at(over)])].p, g.far_hand, b_.arm_length, 1);
+        reach(b_.place(under, Place::hand), X[at(b_.upper_arm[at(under)])].p, g.near_hand, b_.arm_length, 1);
+        finder_.add_turn(b_.chest, rotation_about(z, g.twist * s) * rest_[at(b_.chest)], 0.5);
+        finder_.add_turn(b_.head, rotation_about(z, 1.2 * g.twist * s) * rest_[at(b_.head)], 0.1);
+        finder_.step(from, 0.003, 0.2, q_);
+      }
+      out.push_back({q_, g.time, {}, {}});
     }
-    return q_;
+    return out;
   }
 
+ private:
   const Mechanism& m_;
   const BodyPlan& b_;
   PoseFinder finder_;
   std::vector<Foot> feet_;
-  std::vector<double> q_, preferred_;
+  std::vector<double> q_, before_, preferred_;
   std::vector<Pose> X_;
   std::vector<Mat3> rest_;
   std::array<Vec3, 2> ball_{};
@@ -260,6 +262,21 @@ class Planner {
 };
 
 }  // namespace
+
+std::array<RollGoals, roll_parts> usual_roll() {
+  std::array<RollGoals, roll_parts> r;
+  // Found by random search for a person of 1.75 m, from five lying poses; lengths are shares of the body's own.
+  r[0] = {{2.42, -0.48, -1.79}, {0.57, -0.68, -2.21}, {-1.11, 2.12, 0.23}, {1.17, -0.14, -2.21}, {-0.97, 1.89, 1.00},
+          {0.16, 1.87, 0.81}, 0.81, 0.15};
+  r[1] = {{0.57, 0.33, -1.55}, {-0.10, 2.93, -1.37}, {0.68, 1.34, -0.35}, {-2.21, -0.88, -0.63}, {-0.18, 3.34, -0.03},
+          {-2.22, -1.50, 0.49}, 0.29, 0.39};
+  return r;
+}
+
+std::vector<GetUpPosture> plan_roll(const MechanismPtr& mechanism, const BodyPlan& body, std::span<const double> from, int side,
+                                    std::span<const RollGoals> goals) {
+  return Planner(mechanism, body).roll(side, from, goals);
+}
 
 std::optional<GetUpPlan> plan_get_up(const MechanismPtr& mechanism, const BodyPlan& body) { return Planner(mechanism, body).run(); }
 
