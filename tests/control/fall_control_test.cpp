@@ -36,7 +36,7 @@ struct Topple {
   std::string first;         // label of the first link, except legs and feet, that touches the ground
 
   Topple(double height, double direction)
-      : m(samples::make_person(height).value()), scene({m}), stepper({m}, {}), control(m, {}), upright(m->neutral()) {
+      : m(samples::make_person(height).value()), scene({m}), stepper({m}, {}), control(m, {.get_up = false}), upright(m->neutral()) {
     gain.resize(state.v.size());
     velocity.resize(state.v.size());
     X.resize(at(m->link_count()));

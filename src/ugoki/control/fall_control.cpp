@@ -145,16 +145,17 @@ const GetUpPlan* FallControl::make_plan() {
 void FallControl::step(std::span<const double> q, std::span<const double> v, std::span<const collision::ContactPoint> contacts, int system,
                        double dt, FallState& state, std::span<double> tau, std::span<double> gain, std::span<double> velocity) {
   const Mechanism& m = *mechanism_;
-  if (state.mode == static_cast<std::uint64_t>(FallMode::lie) && plan_ && options_.get_up && state.time > options_.lie_time) {
+  if (state.mode == static_cast<std::uint64_t>(FallMode::lie) && plan_ && options_.get_up && state.time > options_.lie_time &&
+      static_cast<GetUpPhase>(state.get_up.phase) != GetUpPhase::rest) {
     state.mode = static_cast<std::uint64_t>(FallMode::rise);
     state.time = 0;
     state.get_up = {};
   }
   if (state.mode >= static_cast<std::uint64_t>(FallMode::rise) && make_plan()) {
     state.time += dt;
-    if (static_cast<GetUpPhase>(state.get_up.phase) == GetUpPhase::rest) {  // exhausted
+    if (static_cast<GetUpPhase>(state.get_up.phase) == GetUpPhase::rest) {  // the tries have failed: it stays on the ground
       state.mode = static_cast<std::uint64_t>(FallMode::lie);
-      state.time = -options_.pause;
+      state.time = 0;
     } else {
       state.mode = static_cast<std::uint64_t>(get_up_->is_ready(q, v, state.get_up) ? FallMode::ready : FallMode::rise);
     }

@@ -46,7 +46,6 @@ struct FallOptions {
   double rest_time = 0.3;     ///< s: ... for this time
   double lie_damping = 3;     ///< rad/s: natural frequency whose critical damping acts on the joints of a lying body
   double lie_time = 0.2;      ///< s: the body lies for this time before it gets up
-  double pause = 2;           ///< s: pause after several failed tries to get up
   bool get_up = true;         ///< the body gets up after it has come to rest
   double ground = 0;          ///< m: height of the ground
   Vec3 gravity{0, 0, -9.81};  ///< m/s^2, world
@@ -98,7 +97,7 @@ class FallControl {
   dynamics::Workspace ws_;
   PoseFinder finder_;
   std::unique_ptr<GetUp> get_up_;  // null before the first rise
-  std::vector<double> crouch_;  // [nq] posture with bent knees and hips
+  std::vector<double> crouch_;     // [nq] posture with bent knees and hips
   std::vector<double> zero_, error_, gradient_, tau_, gain_, velocity_;
   std::vector<int> arms_;  // DOFs of the arms
 };

@@ -23,17 +23,17 @@ constexpr double touch = 2e-3;          // m: only contact points closer than th
 constexpr double friction_share = 0.7;  // of the friction coefficient
 constexpr double load_cost = 1e-4;      // cost of the squared contact forces relative to the squared missing force
 constexpr double max_acceleration = 4, max_turn = 15;  // m/s^2, rad/s^2
-constexpr double sole_height = 0.02;    // m: a sole lower than this stands
-constexpr double min_lead = 0.02;       // m: distance of the divergent component of motion behind the balls of the feet
+constexpr double sole_height = 0.02;                   // m: a sole lower than this stands
+constexpr double min_lead = 0.02;                      // m: distance of the divergent component of motion behind the balls of the feet
 
 double smooth(double s) {
   s = std::clamp(s, 0.0, 1.0);
   return s * s * (3 - 2 * s);
 }
 
-Vec3 limited(const Vec3& x, double most) {
+Vec3 limited(const Vec3& x, double max_size) {
   const double size = norm(x);
-  return size > most ? x * (most / size) : x;
+  return size > max_size ? x * (max_size / size) : x;
 }
 
 }  // namespace

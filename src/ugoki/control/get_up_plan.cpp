@@ -17,11 +17,11 @@ constexpr double converged = 3e-4;  // rad or m: change of the coordinates with 
 
 /// Goals of one posture. Lengths in m, angles in rad; a negative weight leaves a goal out.
 struct Goals {
-  double heel = 0;                   // pitch of the sole: 0 flat, pi / 2 vertical
-  double knee = -1;                  // 1: the knees are on the ground, at the distance of tucked toes
-  double hip_x = 0, hip_z = 0, hip = -1;  // place of the pelvis and its weight
-  double pelvis = 0, chest = 0;      // pitch: 0 upright, pi / 2 face down
-  double centre = 0, centre_weight = -1;  // place of the centre of mass ahead of the balls, and its weight
+  double heel = 0;                            // pitch of the sole: 0 flat, pi / 2 vertical
+  double knee = -1;                           // 1: the knees are on the ground, at the distance of tucked toes
+  double hip_x = 0, hip_z = 0, hip = -1;      // place of the pelvis and its weight
+  double pelvis = 0, chest = 0;               // pitch: 0 upright, pi / 2 face down
+  double centre = 0, centre_weight = -1;      // place of the centre of mass ahead of the balls, and its weight
   double hand_x = 0, hand_z = 0, hand_y = 0;  // place of the hands
   double time = 0;
 };
@@ -196,8 +196,10 @@ class Planner {
                           down ? Vec3{30, 10, 100} : Vec3{1, 1, 1});
         if (down) finder_.add_axis(hand.link, normalized(hand.point, {1, 0, 0}), normalized(Vec3{1, 0.3 * s, -0.15}), 0.5);
       }
-      if (g.hip > 0) finder_.add_point(0, {}, {g.hip_x, 0, g.hip_z - hip_offset_}, {3 * g.hip, 10, 3 * g.hip});
-      else finder_.add_point(0, {}, {0, 0, 0}, {0, 10, 0});
+      if (g.hip > 0)
+        finder_.add_point(0, {}, {g.hip_x, 0, g.hip_z - hip_offset_}, {3 * g.hip, 10, 3 * g.hip});
+      else
+        finder_.add_point(0, {}, {0, 0, 0}, {0, 10, 0});
       finder_.add_turn(0, rotation_about(y, g.pelvis) * rest_[0], 1);
       finder_.add_turn(b_.chest, rotation_about(y, g.chest) * rest_[at(b_.chest)], 0.5);
       finder_.add_axis(b_.head, b_.head_up, rotation_about(y, 0.6 * g.chest) * Vec3{0, 0, 1}, 0.1);
@@ -266,10 +268,22 @@ class Planner {
 std::array<RollGoals, roll_parts> usual_roll() {
   std::array<RollGoals, roll_parts> r;
   // Found by random search for a person of 1.75 m, from five lying poses; lengths are shares of the body's own.
-  r[0] = {{2.42, -0.48, -1.79}, {0.57, -0.68, -2.21}, {-1.11, 2.12, 0.23}, {1.17, -0.14, -2.21}, {-0.97, 1.89, 1.00},
-          {0.16, 1.87, 0.81}, 0.81, 0.15};
-  r[1] = {{0.57, 0.33, -1.55}, {-0.10, 2.93, -1.37}, {0.68, 1.34, -0.35}, {-2.21, -0.88, -0.63}, {-0.18, 3.34, -0.03},
-          {-2.22, -1.50, 0.49}, 0.29, 0.39};
+  r[0] = {{2.42, -0.48, -1.79},
+          {0.57, -0.68, -2.21},
+          {-1.11, 2.12, 0.23},
+          {1.17, -0.14, -2.21},
+          {-0.97, 1.89, 1.00},
+          {0.16, 1.87, 0.81},
+          0.81,
+          0.15};
+  r[1] = {{0.57, 0.33, -1.55},
+          {-0.10, 2.93, -1.37},
+          {0.68, 1.34, -0.35},
+          {-2.21, -0.88, -0.63},
+          {-0.18, 3.34, -0.03},
+          {-2.22, -1.50, 0.49},
+          0.29,
+          0.39};
   return r;
 }
 

@@ -30,8 +30,8 @@ struct GetUpPosture {
   Mat3 root;              ///< orientation of the root link
 };
 
-/// Goals of a posture that rolls the body to one side. Directions in the frame of the trunk: x forward, y towards the side to which the body
-/// rolls, z towards the head. "Far": the limbs of the other side, which cross over.
+/// Goals of a posture that rolls the body to one side. Directions in the frame of the trunk: x forward, y towards the side to which the
+/// body rolls, z towards the head. "Far": the limbs of the other side, which cross over.
 struct RollGoals {
   Vec3 far_knee, far_foot, near_knee, near_foot;  ///< from the hip, in lengths of the thigh
   Vec3 far_hand, near_hand;                       ///< from the shoulder, in lengths of the arm
@@ -44,17 +44,17 @@ inline constexpr int roll_parts = 2;
 /// Postures of one body.
 struct GetUpPlan {
   enum Stage : int { spread, prone, fours, kneel, gather, rock, squat, stand, stage_count };
-  std::vector<GetUpPosture> way;                   ///< from `prone` to `stand`
-  std::vector<int> stage_end;                      ///< [stage_count] index in `way` of the last posture of each stage
-  std::vector<GetUpPosture> roll[2];               ///< postures that roll the body from its back to the left, the right
-  Vec3 ball[2];                                    ///< m: ball of each foot, in the frame of the foot's link
-  std::vector<double> flat;                        ///< [nq] stretched
+  std::vector<GetUpPosture> way;      ///< from `prone` to `stand`
+  std::vector<int> stage_end;         ///< [stage_count] index in `way` of the last posture of each stage
+  std::vector<GetUpPosture> roll[2];  ///< postures that roll the body from its back to the left, the right
+  Vec3 ball[2];                       ///< m: ball of each foot, in the frame of the foot's link
+  std::vector<double> flat;           ///< [nq] stretched
 };
 
 /// Computes the postures. About 0.2 s of processor time. @return nothing if the root does not float or a part is missing
 [[nodiscard]] std::optional<GetUpPlan> plan_get_up(const MechanismPtr& mechanism, const BodyPlan& body);
 /// Postures of a roll with the given goals. @param from [nq] stretched posture
-[[nodiscard]] std::vector<GetUpPosture> plan_roll(const MechanismPtr& mechanism, const BodyPlan& body, std::span<const double> from, int side,
-                                                  std::span<const RollGoals> goals);
+[[nodiscard]] std::vector<GetUpPosture> plan_roll(const MechanismPtr& mechanism, const BodyPlan& body, std::span<const double> from,
+                                                  int side, std::span<const RollGoals> goals);
 
 }  // namespace ugoki::control

@@ -29,7 +29,14 @@ void place(const Mechanism& m, const Placement& where, std::span<double> q) {
 class Builder {
  public:
   Builder(const Mechanism& m, const ReferenceMotion& track, const GetUpPlan& plan, double floor)
-      : m_(m), track_(track), plan_(plan), floor_(floor), feet_(feet_of(m)), q_(at(m.nq())), stand_(plan.way.back().q), X_(at(m.link_count())) {}
+      : m_(m),
+        track_(track),
+        plan_(plan),
+        floor_(floor),
+        feet_(feet_of(m)),
+        q_(at(m.nq())),
+        stand_(plan.way.back().q),
+        X_(at(m.link_count())) {}
 
   [[nodiscard]] double rise_time() const {
     double time = lead + hold;

@@ -62,13 +62,13 @@ struct Balance {
   std::optional<control::MotionControl> tracking;  // other characters, for example a robot on a fixed base
   std::optional<control::FallControl> fall;        // as balance
   control::BalanceOptions options;
-  double floor = 0;  // m
+  double floor = 0;                   // m
   std::vector<MechanismPtr> systems;  // of the world
   // After getting up: the way back to the track, and balance control that follows it. They depend only on the time of the fall.
   std::shared_ptr<const control::ReturnMotion> way_back;
   std::optional<control::BalanceControl> returning;
-  double return_time = -1;  // s: time of the fall from which `way_back` was made; -1: none
-  std::vector<int> foot_of;                        // [feet of the character] index in balance->feet()
+  double return_time = -1;   // s: time of the fall from which `way_back` was made; -1: none
+  std::vector<int> foot_of;  // [feet of the character] index in balance->feet()
   std::vector<collision::ContactPoint> contacts;
 };
 struct BalanceMemory {
@@ -89,8 +89,7 @@ void prepare_return(Balance& self, double time) {
   const Character& c = *self.character;
   const control::GetUpPlan* plan = self.fall->make_plan();
   self.way_back = std::make_shared<const control::ReturnMotion>(c.mechanism, self.track, *plan, time, self.floor);
-  self.returning.emplace(c.mechanism, self.way_back, self.options, self.floor,
-                         control::GroundMap(self.systems, c.index, self.floor));
+  self.returning.emplace(c.mechanism, self.way_back, self.options, self.floor, control::GroundMap(self.systems, c.index, self.floor));
   self.return_time = time;
 }
 
@@ -249,7 +248,8 @@ void add_balance(circuit::Library& library) {
   c.doc =
       "Computes joint torques that make a character follow its track on its own feet, without any external force on the root. It plans "
       "steps: the time and the place where a foot lands follow from the balance of the character. A character that can no longer keep its "
-      "balance falls with its hands first. A character with two arms and two legs then gets up and goes on with its track. A character without a floating root or "
+      "balance falls with its hands first. A character with two arms and two legs then gets up and goes on with its track. A character "
+      "without a floating root or "
       "without feet follows its track with the torques of its joints alone.";
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
               input_pin("contacts", PinTypeId::contacts, "", "Contact points; those of the feet with the ground support the character.")};
@@ -261,10 +261,10 @@ void add_balance(circuit::Library& library) {
                  "The reference that the character follows: the track at the controller's own time, displaced to the standing foot."),
       output_pin("balance", PinTypeId::joint_values, "",
                  "Four numbers: error of the divergent component of motion, x and y in m; time of the reference, s; rate of that time."),
-      output_pin(
-          "recovery", PinTypeId::joint_values, "",
-          "Two numbers: mode (0 follows its track, 1 braces for a fall, 2 falls, 3 lies on the ground, 4 gets up), and the distance from the limits "
-          "of a fall (1: at the reference, 0: the character begins to fall).")};
+      output_pin("recovery", PinTypeId::joint_values, "",
+                 "Two numbers: mode (0 follows its track, 1 braces for a fall, 2 falls, 3 lies on the ground, 4 gets up), and the distance "
+                 "from the limits "
+                 "of a fall (1: at the reference, 0: the character begins to fall).")};
   c.parameters = {character_parameter(),
                   number_parameter("balance gain", usual.com_gain, 0, 20, "1/s", "Rate at which the error of balance decays."),
                   number_parameter("joint frequency", usual.joint_frequency, 0, 100, "rad/s", "Rate at which the error of a joint decays."),
