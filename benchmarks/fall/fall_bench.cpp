@@ -88,7 +88,7 @@ Fall run(const MechanismPtr& mechanism, const std::shared_ptr<const bench::Motio
       }
       if (state_of_fall.mode > 1 && out.detected < 0) out.detected = t - begin;
     } else if (way == Way::protect) {
-      fall.step(state.q, state.v, dt, state_of_fall, state.tau, gain, velocity);
+      fall.step(state.q, state.v, contacts, 0, dt, state_of_fall, state.tau, gain, velocity);
       if (state_of_fall.mode == 3 && out.lying < 0) out.lying = t - begin - out.detected;
     } else {
       std::ranges::fill(state.tau, 0.0);

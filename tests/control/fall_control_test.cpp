@@ -36,7 +36,7 @@ struct Topple {
   std::string first;         // label of the first link, except legs and feet, that touches the ground
 
   Topple(double height, double direction)
-      : m(samples::make_person(height).value()), scene({m}), stepper({m}, {}), control(m, {}), upright(m->neutral()) {
+      : m(samples::make_person(height).value()), scene({m}), stepper({m}, {}), control(m, {.get_up = false}), upright(m->neutral()) {
     gain.resize(state.v.size());
     velocity.resize(state.v.size());
     X.resize(at(m->link_count()));
@@ -81,7 +81,7 @@ struct Topple {
       std::ranges::fill(gain, 0.0);
     }
     if (!ragdoll && memory.mode >= static_cast<std::uint64_t>(FallMode::fall))
-      control.step(state.q, state.v, dt, memory, state.tau, gain, velocity);
+      control.step(state.q, state.v, contacts, 0, dt, memory, state.tau, gain, velocity);
     contact::StepSystem system{state.q, state.v, state.tau, state.external, gain, velocity};
     guard.forget();
     ASSERT_EQ(guard.step(std::span(&system, 1), contacts, dt).status, contact::StepStatus::ok);

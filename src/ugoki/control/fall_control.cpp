@@ -132,9 +132,36 @@ void FallControl::brace(std::span<const double> q, std::span<const double> v, do
   }
 }
 
-void FallControl::step(std::span<const double> q, std::span<const double> v, double dt, FallState& state, std::span<double> tau,
-                       std::span<double> gain, std::span<double> velocity) {
+const GetUpPlan* FallControl::make_plan() {
+  if (!get_up_) {
+    GetUpOptions options;
+    options.ground = options_.ground;
+    options.gravity = options_.gravity;
+    get_up_ = std::make_unique<GetUp>(mechanism_, options);
+  }
+  return plan();
+}
+
+void FallControl::step(std::span<const double> q, std::span<const double> v, std::span<const collision::ContactPoint> contacts, int system,
+                       double dt, FallState& state, std::span<double> tau, std::span<double> gain, std::span<double> velocity) {
   const Mechanism& m = *mechanism_;
+  if (state.mode == static_cast<std::uint64_t>(FallMode::lie) && plan_ && options_.get_up && state.time > options_.lie_time &&
+      static_cast<GetUpPhase>(state.get_up.phase) != GetUpPhase::rest) {
+    state.mode = static_cast<std::uint64_t>(FallMode::rise);
+    state.time = 0;
+    state.get_up = {};
+  }
+  if (state.mode >= static_cast<std::uint64_t>(FallMode::rise) && make_plan()) {
+    state.time += dt;
+    if (static_cast<GetUpPhase>(state.get_up.phase) == GetUpPhase::rest) {  // the tries have failed: it stays on the ground
+      state.mode = static_cast<std::uint64_t>(FallMode::lie);
+      state.time = 0;
+    } else {
+      state.mode = static_cast<std::uint64_t>(get_up_->is_ready(q, v, state.get_up) ? FallMode::ready : FallMode::rise);
+    }
+    get_up_->step(q, v, contacts, system, dt, state.get_up, tau, gain, velocity);
+    return;
+  }
   update(q, v);
   state.time += dt;
   ServoSettings servo;

@@ -6,19 +6,23 @@
 //   fall    the hands move towards the place where the body will hit the ground, knees and hips bend, and the head leans away from this
 //           place. The joints are soft springs with dampers (posture_servo.h), so that arms and legs absorb the impact
 //   lie     the body has come to rest; dampers hold its joints
+//   rise    the body gets up (get_up.h)
+//   ready   the body squats on both feet: balance control can stand it up (return_motion.h)
 //
 // A character braces if the trunk is tilted too far from its reference, if the centre of mass is too low, or if the divergent component of
 // motion (DCM, balance_control.h) is too far from its reference, for longer than `delay`. It falls if wider limits are exceeded: within the
 // narrow limits, steps often keep a character up.
 //
-// Bodies without two arms and two legs keep the posture in which the fall begins.
+// Bodies without two arms and two legs keep the posture in which the fall begins, and stay on the ground.
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "ugoki/control/body_plan.h"
+#include "ugoki/control/get_up.h"
 #include "ugoki/control/pose_finder.h"
 #include "ugoki/control/posture_servo.h"
 
@@ -41,11 +45,13 @@ struct FallOptions {
   double rest_speed = 0.3;    ///< m/s: the body lies if its centre of mass is slower than this ...
   double rest_time = 0.3;     ///< s: ... for this time
   double lie_damping = 3;     ///< rad/s: natural frequency whose critical damping acts on the joints of a lying body
+  double lie_time = 0.2;      ///< s: the body lies for this time before it gets up
+  bool get_up = true;         ///< the body gets up after it has come to rest
   double ground = 0;          ///< m: height of the ground
   Vec3 gravity{0, 0, -9.81};  ///< m/s^2, world
 };
 
-enum class FallMode : std::uint64_t { track, brace, fall, lie };
+enum class FallMode : std::uint64_t { track, brace, fall, lie, rise, ready };
 
 /// State between ticks. Plain data, so that it can be saved, restored and replayed.
 struct FallState {
@@ -56,6 +62,7 @@ struct FallState {
   double calm = 0;                       ///< s: time for which no limit of bracing has been exceeded
   double rest = 0;                       ///< s: time for which the body has been at rest
   double posture[max_coordinates] = {};  ///< wanted posture [nq] during a fall
+  GetUpState get_up;                     ///< in the mode rise
 };
 
 class FallControl {
@@ -70,9 +77,15 @@ class FallControl {
   /// Replaces the drives of the arms in the mode brace. @param tau, gain, velocity [nv, in and out] as in contact::StepSystem
   void brace(std::span<const double> q, std::span<const double> v, double dt, FallState& state, std::span<double> tau,
              std::span<double> gain, std::span<double> velocity);
-  /// Computes the drives of one tick in the modes fall and lie. @param tau, gain, velocity [nv, out] as in contact::StepSystem
-  void step(std::span<const double> q, std::span<const double> v, double dt, FallState& state, std::span<double> tau,
-            std::span<double> gain, std::span<double> velocity);
+  /// Computes the drives of one tick in the modes fall, lie, rise and ready. The first tick of a rise plans the way up: it allocates, and
+  /// takes about 0.2 s of processor time. @param contacts contact points of all systems @param system index of this body in `contacts`
+  /// @param tau, gain, velocity [nv, out] as in contact::StepSystem
+  void step(std::span<const double> q, std::span<const double> v, std::span<const collision::ContactPoint> contacts, int system, double dt,
+            FallState& state, std::span<double> tau, std::span<double> gain, std::span<double> velocity);
+  /// The way up; null before the first rise, and for bodies that cannot get up.
+  [[nodiscard]] const GetUpPlan* plan() const { return get_up_ && get_up_->can_get_up() ? &get_up_->plan() : nullptr; }
+  /// Plans the way up now, for a state that was restored.
+  const GetUpPlan* make_plan();
 
  private:
   void update(std::span<const double> q, std::span<const double> v);  // kinematics, inertia and weight
@@ -83,7 +96,8 @@ class FallControl {
   std::optional<BodyPlan> plan_;
   dynamics::Workspace ws_;
   PoseFinder finder_;
-  std::vector<double> crouch_;  // [nq] posture with bent knees and hips
+  std::unique_ptr<GetUp> get_up_;  // null before the first rise
+  std::vector<double> crouch_;     // [nq] posture with bent knees and hips
   std::vector<double> zero_, error_, gradient_, tau_, gain_, velocity_;
   std::vector<int> arms_;  // DOFs of the arms
 };

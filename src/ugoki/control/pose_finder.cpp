@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ugoki/dynamics/centroidal.h"
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/spatial/elementary.h"
@@ -49,6 +50,7 @@ PoseFinder::PoseFinder(MechanismPtr mechanism) : mechanism_(std::move(mechanism)
   H_.resize(n_ * n_);
   L_.resize(n_ * n_);
   fixed_.resize(n_);
+  A_G_.resize(n_);
 }
 
 void PoseFinder::begin(std::span<const double> q) {
@@ -73,6 +75,16 @@ void PoseFinder::add_point(int link, const Vec3& p, const Vec3& target, const Ve
   for (int k = 0; k < 3; ++k) {
     if (weights[k] == 0) continue;
     for (const int i : dynamics::chain_of_link(ws_, link)) row_[at(i)] = (ws_.S[at(i)].v + cross(ws_.S[at(i)].w, now - ws_.p0))[k];
+    add_row(error[k], weights[k]);
+  }
+}
+
+void PoseFinder::add_centre(const Vec3& target, const Vec3& weights) {
+  const Vec3 error = target - dynamics::calc_centroidal(*mechanism_, ws_).centre;
+  dynamics::calc_centroidal_matrix(*mechanism_, ws_, A_G_);
+  for (int k = 0; k < 3; ++k) {
+    if (weights[k] == 0) continue;
+    for (std::size_t i = 0; i < n_; ++i) row_[i] = A_G_[i].v[k] / mechanism_->mass();
     add_row(error[k], weights[k]);
   }
 }

@@ -23,6 +23,8 @@ class PoseFinder {
   void add_turn(int link, const Mat3& R_target, double weight);
   /// Goal for a direction of a link. @param axis unit, in the frame of the link @param target unit, world @param weight rad^-2
   void add_axis(int link, const Vec3& axis, const Vec3& target, double weight);
+  /// Goal for the centre of mass. @param target m, world @param weights m^-2, of world x, y, z
+  void add_centre(const Vec3& target, const Vec3& weights);
   /// Executes the iteration. @param preferred [nq] preferred posture of the joints; its root is not used @param weight rad^-2, weight of
   /// the posture @param max_turn rad or m: maximum change of a coordinate @param q [nq, out] new positions
   void step(std::span<const double> preferred, double weight, double max_turn, std::span<double> q);
@@ -34,6 +36,7 @@ class PoseFinder {
   dynamics::Workspace ws_;
   std::size_t n_ = 0;
   std::vector<double> q_, zero_, row_, H_, L_, g_, step_, displacement_;
+  std::vector<Vec6> A_G_;             // [nv] centroidal momentum matrix
   std::vector<unsigned char> fixed_;  // [nv] 1: the coordinate stays at its limit
 };
 

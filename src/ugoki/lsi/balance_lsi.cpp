@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <new>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "ugoki/control/balance_control.h"
 #include "ugoki/control/fall_control.h"
 #include "ugoki/control/motion_control.h"
+#include "ugoki/control/return_motion.h"
 #include "ugoki/lsi/declare.h"
 #include "ugoki/lsi/track_sampler.h"
 
@@ -58,18 +61,54 @@ struct Balance {
   std::optional<control::BalanceControl> balance;  // characters with a floating root and feet
   std::optional<control::MotionControl> tracking;  // other characters, for example a robot on a fixed base
   std::optional<control::FallControl> fall;        // as balance
-  std::vector<int> foot_of;                        // [feet of the character] index in balance->feet()
+  control::BalanceOptions options;
+  double floor = 0;                   // m
+  std::vector<MechanismPtr> systems;  // of the world
+  // After getting up: the way back to the track, and balance control that follows it. They depend only on the time of the fall.
+  std::shared_ptr<const control::ReturnMotion> way_back;
+  std::optional<control::BalanceControl> returning;
+  double return_time = -1;   // s: time of the fall from which `way_back` was made; -1: none
+  std::vector<int> foot_of;  // [feet of the character] index in balance->feet()
   std::vector<collision::ContactPoint> contacts;
 };
 struct BalanceMemory {
   control::BalanceState now, next;
   control::FallState fall_now, fall_next;
+  double returned_now = -1, returned_next = -1;  // s, time of the track at the last fall from which the character got up; -1: none
   control::ControlState tracking_now, tracking_next;
 };
 
 bool can_balance(const Character& c) {
   const std::size_t feet = control::feet_of(*c.mechanism).size();
   return c.mechanism->link(0).joint.type == JointType::floating && feet > 0 && feet <= control::BalanceState::max_feet;
+}
+
+/// Prepares the way back to the track after a fall at the track's time `time` [s]. Allocates, once for each time that a character gets up.
+void prepare_return(Balance& self, double time) {
+  if (self.return_time == time) return;
+  const Character& c = *self.character;
+  const control::GetUpPlan* plan = self.fall->make_plan();
+  self.way_back = std::make_shared<const control::ReturnMotion>(c.mechanism, self.track, *plan, time, self.floor);
+  self.returning.emplace(c.mechanism, self.way_back, self.options, self.floor, control::GroundMap(self.systems, c.index, self.floor));
+  self.return_time = time;
+}
+
+/// Balance control of a character that may have got up.
+control::BalanceControl& control_of(Balance& self, double returned) {
+  if (returned < 0) return *self.balance;
+  prepare_return(self, returned);
+  return *self.returning;
+}
+
+/// State of balance control at the begin of the way back: the reference is placed at the feet of the character.
+control::BalanceState begin_return(const Balance& self, std::span<const double> q) {
+  control::BalanceState state;
+  state.time = self.way_back->begin();
+  const Placement place = self.way_back->placement_at(q, self.returning->feet());
+  state.x = place.x;
+  state.y = place.y;
+  state.heading = place.heading;
+  return state;
 }
 
 std::int32_t step(const Call* call) {
@@ -110,24 +149,35 @@ std::int32_t step(const Call* call) {
   memory.fall_next = memory.fall_now;
   const double dt = call->tick->dt;
   const std::span<double> tau(drive, nv), gain(drive + nv, nv), velocity(drive + 2 * nv, nv);
+  memory.returned_next = memory.returned_now;
   if (memory.fall_now.mode > static_cast<std::uint64_t>(control::FallMode::brace)) {  // the track waits where the character fell
-    self.fall->step(q, v, dt, memory.fall_next, tau, gain, velocity);
+    self.fall->step(q, v, self.contacts, self.character->index, dt, memory.fall_next, tau, gain, velocity);
     std::ranges::copy(self.track->payload(memory.now.time), reference);
     displace_root(*self.character->mechanism, {memory.now.x, memory.now.y, 0, memory.now.heading}, {reference, self.layout.nq});
     for (std::size_t k = 0; k < self.layout.feet; ++k) reference[self.layout.stance() + k] = 0;
     report[report_released] = 1;
     balance[2] = memory.now.time;
-    recovery[0] = static_cast<double>(memory.fall_next.mode);
+    recovery[0] = static_cast<double>(std::min(memory.fall_next.mode, static_cast<std::uint64_t>(control::FallMode::rise)));
+    if (memory.fall_next.mode == static_cast<std::uint64_t>(control::FallMode::ready)) {  // the next tick stands up
+      prepare_return(self, memory.now.time);
+      memory.returned_next = memory.now.time;
+      memory.next = begin_return(self, q);
+      memory.fall_next = {};
+    }
     return 0;
   }
-  const control::BalanceOutput out = self.balance->step({q, v, self.contacts, self.character->index, dt}, memory.next, tau);
+  control::BalanceControl& control = control_of(self, memory.returned_now);
+  const control::BalanceOutput out = control.step({q, v, self.contacts, self.character->index, dt}, memory.next, tau);
   if (self.fall) {
-    recovery[1] = self.fall->check(q, v, self.balance->reference(), out.dcm_error, dt, memory.fall_next);
+    recovery[1] = self.fall->check(q, v, control.reference(), out.dcm_error, dt, memory.fall_next);
     self.fall->brace(q, v, dt, memory.fall_next, tau, gain, velocity);
     recovery[0] = static_cast<double>(memory.fall_next.mode);
+    // While it stands up, the character counts as getting up.
+    if (memory.returned_now >= 0 && memory.fall_next.mode == 0 && memory.next.time < self.way_back->stands())
+      recovery[0] = static_cast<double>(control::FallMode::rise);
   }
   std::ranges::copy(self.track->payload(memory.next.time), reference);
-  std::ranges::copy(self.balance->reference(), reference);  // overwrites q by the controller's reference, which is displaced in the plane
+  std::ranges::copy(control.reference(), reference);  // overwrites q by the controller's reference, which is displaced in the plane
   for (std::size_t k = 0; k < self.layout.feet; ++k)
     if (!memory.next.feet[self.foot_of[k]].stands) reference[self.layout.stance() + k] = 0;
   balance[0] = out.dcm_error.x;
@@ -147,9 +197,15 @@ void* make(Setup& s) {
                            std::nullopt,
                            std::nullopt,
                            {},
+                           world->ground().height,
+                           {},
+                           nullptr,
+                           std::nullopt,
+                           -1,
+                           {},
                            {}};
   if (can_balance(*character)) {
-    control::BalanceOptions options;
+    control::BalanceOptions& options = self->options;
     options.gravity = world->gravity();
     options.com_gain = s.number("balance gain");
     options.joint_frequency = s.number("joint frequency");
@@ -157,6 +213,7 @@ void* make(Setup& s) {
     options.momentum_weight = s.number("momentum weight");
     options.shift_growth = s.number("step growth");
     const std::vector<MechanismPtr> systems = world->mechanisms();
+    self->systems = systems;
     self->balance.emplace(character->mechanism, self->track, options, world->ground().height,
                           control::GroundMap(systems, character->index, world->ground().height));
     if (static_cast<std::size_t>(character->mechanism->nq()) <= control::FallState::max_coordinates) {
@@ -191,7 +248,8 @@ void add_balance(circuit::Library& library) {
   c.doc =
       "Computes joint torques that make a character follow its track on its own feet, without any external force on the root. It plans "
       "steps: the time and the place where a foot lands follow from the balance of the character. A character that can no longer keep its "
-      "balance falls with its hands first and stays on the ground. A character without a floating root or "
+      "balance falls with its hands first. A character with two arms and two legs then gets up and goes on with its track. A character "
+      "without a floating root or "
       "without feet follows its track with the torques of its joints alone.";
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
               input_pin("contacts", PinTypeId::contacts, "", "Contact points; those of the feet with the ground support the character.")};
@@ -203,10 +261,10 @@ void add_balance(circuit::Library& library) {
                  "The reference that the character follows: the track at the controller's own time, displaced to the standing foot."),
       output_pin("balance", PinTypeId::joint_values, "",
                  "Four numbers: error of the divergent component of motion, x and y in m; time of the reference, s; rate of that time."),
-      output_pin(
-          "recovery", PinTypeId::joint_values, "",
-          "Two numbers: mode (0 follows its track, 1 braces for a fall, 2 falls, 3 lies on the ground), and the distance from the limits "
-          "of a fall (1: at the reference, 0: the character begins to fall).")};
+      output_pin("recovery", PinTypeId::joint_values, "",
+                 "Two numbers: mode (0 follows its track, 1 braces for a fall, 2 falls, 3 lies on the ground, 4 gets up), and the distance "
+                 "from the limits "
+                 "of a fall (1: at the reference, 0: the character begins to fall).")};
   c.parameters = {character_parameter(),
                   number_parameter("balance gain", usual.com_gain, 0, 20, "1/s", "Rate at which the error of balance decays."),
                   number_parameter("joint frequency", usual.joint_frequency, 0, 100, "rad/s", "Rate at which the error of a joint decays."),
@@ -241,6 +299,7 @@ void add_balance(circuit::Library& library) {
     auto& memory = *static_cast<BalanceMemory*>(call->state);
     memory.now = memory.next;
     memory.fall_now = memory.fall_next;
+    memory.returned_now = memory.returned_next;
     memory.tracking_now = memory.tracking_next;
     return 0;
   };

@@ -1,0 +1,218 @@
+#include "ugoki/control/get_up.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "ugoki/control/balance_control.h"
+#include "ugoki/control/fall_control.h"
+#include "ugoki/control/return_motion.h"
+#include "ugoki/dynamics/centroidal.h"
+#include "ugoki/dynamics/dynamics.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/samples/samples.h"
+#include "ugoki/spatial/elementary.h"
+#include "ugoki/world/world.h"
+
+namespace ugoki::control {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+constexpr double dt = 0.002;
+
+/// A track that stands still in a posture.
+class Still final : public ReferenceMotion {
+ public:
+  explicit Still(std::vector<double> q) : q_(std::move(q)) {}
+  void sample(double, std::span<double> q, std::span<double> v, std::span<double> a) const override {
+    std::ranges::copy(q_, q.begin());
+    std::ranges::fill(v, 0.0);
+    std::ranges::fill(a, 0.0);
+  }
+  [[nodiscard]] double end() const override { return 20; }
+
+ private:
+  std::vector<double> q_;
+};
+
+GetUpPlan plan_of(const MechanismPtr& m) {
+  const std::optional<BodyPlan> body = body_plan_of(*m);
+  EXPECT_TRUE(body);
+  return *plan_get_up(m, *body);
+}
+
+/// A person who lies on the front, at rest.
+struct Lying {
+  MechanismPtr m;
+  world::World world;
+  world::WorldState state{world};
+  world::WorldStepper stepper{world};
+  std::vector<collision::ContactPoint> contacts;  // of the last step
+  GetUpPlan plan;
+
+  explicit Lying(double height) : m(samples::make_person(height).value()), world({m}), plan(plan_of(m)) {
+    const std::span<double> q = state.q(0);
+    std::ranges::copy(plan.flat, q.begin());
+    const Quat r = to_quat(rotation_about({0, 1, 0}, pi / 2));
+    q[0] = q[1] = 0;
+    q[2] = 0.3 * height;
+    q[3] = r.w, q[4] = r.x, q[5] = r.y, q[6] = r.z;
+    stepper.load(state);
+    for (int i = 0; i < 600; ++i) step({});
+  }
+  void step(const world::WorldControl& control) {
+    ASSERT_EQ(stepper.step(control, dt).status, contact::StepStatus::ok);
+    stepper.store(state);
+    contacts.assign(stepper.contacts().begin(), stepper.contacts().end());
+  }
+  /// Height of the centre of mass, m.
+  [[nodiscard]] double height() const {
+    std::vector<Pose> X(at(m->link_count()));
+    calc_poses(*m, state.q(0), X);
+    return centre_of_mass(*m, X).z;
+  }
+};
+
+/// The drives of recovery and balance control, as the LSI `balance control` uses them.
+struct Drives {
+  FallControl fall;
+  FallState memory;
+  std::shared_ptr<const ReturnMotion> way;
+  std::optional<BalanceControl> balance;
+  BalanceState balance_memory;
+  std::vector<double> tau, gain, velocity;
+
+  explicit Drives(const Lying& body) : fall(body.m, {}), tau(at(body.m->nv())), gain(tau.size()), velocity(tau.size()) {
+    memory.mode = static_cast<std::uint64_t>(FallMode::lie);
+  }
+  void step(Lying& body, const std::shared_ptr<const ReferenceMotion>& track) {
+    const std::span<const double> q = body.state.q(0), v = body.state.v(0);
+    if (balance) {
+      std::ranges::fill(gain, 0.0);
+      std::ranges::fill(velocity, 0.0);
+      balance->step({q, v, body.contacts, 0, dt}, balance_memory, tau);
+    } else {
+      fall.step(q, v, body.contacts, 0, dt, memory, tau, gain, velocity);
+      if (memory.mode == static_cast<std::uint64_t>(FallMode::ready)) {
+        way = std::make_shared<const ReturnMotion>(body.m, track, *fall.plan(), 5.0, 0.0);
+        balance.emplace(body.m, way, BalanceOptions{});
+        balance_memory.time = way->begin();
+        const Placement place = way->placement_at(q, balance->feet());
+        balance_memory.x = place.x;
+        balance_memory.y = place.y;
+        balance_memory.heading = place.heading;
+      }
+    }
+    for (int i = 0; i < 6; ++i) ASSERT_EQ(tau[at(i)] + gain[at(i)], 0) << "a force on the root";
+    body.step({tau, gain, velocity});
+  }
+};
+
+TEST(GetUp, RisesFromTheFrontAndStands) {
+  Lying body(1.75);
+  const auto track = std::make_shared<const Still>(body.plan.way.back().q);
+  Drives drives(body);
+  const double stands = body.plan.way.back().centre.z;
+  double up = -1;
+  for (int i = 0; i < 3500 && !HasFatalFailure(); ++i) {
+    drives.step(body, track);
+    if (up < 0 && body.height() > 0.95 * stands) up = i * dt;
+  }
+  EXPECT_GT(up, 0);
+  EXPECT_LT(up, 6);
+  EXPECT_GT(body.height(), 0.95 * stands);  // 1 s later
+}
+
+TEST(GetUp, SameBitsAfterRestore) {
+  Lying a(1.75);
+  const auto track = std::make_shared<const Still>(a.plan.way.back().q);
+  Drives first(a);
+  for (int i = 0; i < 600; ++i) first.step(a, track);
+  Lying b(1.75);
+  Drives second(b);
+  second.memory = first.memory;
+  std::ranges::copy(a.state.q(0), b.state.q(0).begin());
+  std::ranges::copy(a.state.v(0), b.state.v(0).begin());
+  const world::WorldState saved = a.state;
+  b.contacts = a.contacts;
+  for (int i = 0; i < 200; ++i) first.step(a, track);
+  b.stepper.load(saved);
+  for (int i = 0; i < 200; ++i) second.step(b, track);
+  EXPECT_EQ(a.state.hash(), b.state.hash());
+}
+
+TEST(GetUpPlan, CentreOfMassIsOverTheSupport) {
+  for (const double height : {1.65, 1.95}) {
+    const MechanismPtr m = samples::make_person(height).value();
+    const GetUpPlan plan = plan_of(m);
+    ASSERT_EQ(plan.stage_end.size(), at(GetUpPlan::stage_count));
+    const std::optional<BodyPlan> body = body_plan_of(*m);
+    std::vector<Pose> X(at(m->link_count()));
+    for (std::size_t k = 0; k < plan.way.size(); ++k) {
+      calc_poses(*m, plan.way[k].q, X);
+      const Vec3 centre = centre_of_mass(*m, X);
+      EXPECT_NEAR(centre.x, plan.way[k].centre.x, 1e-12);
+      for (int side = 0; side < 2; ++side) {
+        const Vec3 ball = X[at(body->place(side, Place::foot).link)] * plan.ball[side];
+        EXPECT_NEAR(ball.x, 0, 0.02 * height) << k;
+        EXPECT_NEAR(ball.z, 0, 0.02 * height) << k;
+        const Effector& hand = body->place(side, Place::hand);
+        const double front = (X[at(hand.link)] * hand.point).x;
+        if (static_cast<int>(k) > plan.stage_end[GetUpPlan::prone] && static_cast<int>(k) <= plan.stage_end[GetUpPlan::rock])
+          EXPECT_LT(centre.x, front) << k;
+        if (static_cast<int>(k) > plan.stage_end[GetUpPlan::rock]) {
+          EXPECT_LT(centre.x, 0) << k;
+          EXPECT_GT(centre.x, -0.12 * height) << k;
+        }
+      }
+    }
+  }
+}
+
+TEST(GetUpPlan, KeepsTheLimitsOfTheJoints) {
+  const MechanismPtr m = samples::make_person(1.75).value();
+  const GetUpPlan plan = plan_of(m);
+  const auto check = [&](std::span<const double> q) {
+    for (const Link& link : m->links()) {
+      if (link.joint.type == JointType::floating) continue;
+      double x[6];
+      joint_displacement(link.joint, q.data() + link.q_index, x);
+      for (int k = 0; k < link.joint.nv(); ++k) {
+        EXPECT_LE(x[k], link.joint.dofs[at(k)].upper + 1e-9) << link.name;
+        EXPECT_GE(x[k], link.joint.dofs[at(k)].lower - 1e-9) << link.name;
+      }
+    }
+  };
+  for (const GetUpPosture& p : plan.way) check(p.q);
+  for (const auto& roll : plan.roll)
+    for (const GetUpPosture& p : roll) check(p.q);
+}
+
+TEST(ReturnMotion, IsContinuousAndJoinsTheTrack) {
+  const MechanismPtr m = samples::make_person(1.75).value();
+  const GetUpPlan plan = plan_of(m);
+  std::vector<double> aside = plan.way.back().q;
+  displace_root(*m, {2, 1, 0, 0.7}, aside);
+  const auto track = std::make_shared<const Still>(aside);
+  const ReturnMotion way(m, track, plan, 3, 0);
+  EXPECT_LE(way.begin(), 3);
+  EXPECT_LT(way.begin(), way.stands());
+  EXPECT_LT(way.stands(), way.joins());
+  std::vector<double> q(at(m->nq())), last(q.size()), v(at(m->nv())), a(v.size()), d(v.size());
+  way.sample(way.begin(), last, v, a);
+  std::vector<Pose> X(at(m->link_count()));
+  for (double t = way.begin() + 0.01; t < way.joins() + 0.2; t += 0.01) {
+    way.sample(t, q, v, a);
+    difference(*m, last, q, d);
+    for (const double x : d) EXPECT_LT(std::fabs(x), 0.12) << t;
+    last = q;
+  }
+  EXPECT_EQ(last, aside);
+}
+
+}  // namespace
+}  // namespace ugoki::control
