@@ -3,7 +3,7 @@ import { content_end, find_character, find_clip, find_event, fit_blends, free_na
 import { insert_time, ripple_remove } from '../core/ripple';
 import { link_position } from '../core/frames';
 import { all_items, duplicate_items, remove_items, selection_of } from '../core/items';
-import { next_span, timed_measures, type BadSpan } from '../core/measures';
+import { next_span, type BadSpan } from '../core/measures';
 import type { AppCommand } from '../core/commands';
 import { character_for_rule, new_condition, type Rule } from '../core/rules';
 import { selected_character } from '../core/state';
@@ -218,7 +218,7 @@ function set_range(end: 'from' | 'to'): void {
 export function all_bad_spans(): BadSpan[] {
   const { document, measures } = state();
   const driven = document?.characters.filter((c) => c.control.mode === 'track') ?? [];
-  return driven.flatMap((c) => timed_measures.flatMap((measure) => measures.bad_spans(c.id, measure)));
+  return driven.flatMap((c) => measures.list.flatMap((measure) => measures.bad_spans(c.id, measure)));
 }
 
 function go_to_problem(back: boolean): void {
