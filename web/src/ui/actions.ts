@@ -543,7 +543,7 @@ const commands: AppCommand[] = [
   } },
   { id: 'page.large', label: 'Maximise or restore the panel', group: 'Page', keys: ['Ctrl+Space'], run: () => parts.toggle_maximized() },
   { id: 'page.layout', label: 'Reset the layout', group: 'Page', run: () => parts.reset_layout() },
-  ...(['library', 'poses', 'inspector', 'look', 'scenario', 'curves', 'rules', 'circuit', 'naturalness', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
+  ...(['library', 'poses', 'inspector', 'look', 'scenario', 'curves', 'rules', 'circuit', 'naturalness', 'plots', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
   {
     id: 'page.escape', label: 'Close, release or deselect', group: 'Page', keys: ['Escape'],
     run: () => {
