@@ -94,6 +94,9 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
     content::encode_frame(frame, frame_number++, content::frame_simulate, encoded);
     frames.insert(frames.end(), encoded.begin(), encoded.end());
   };
+  // naturalness updates its measures about 120 times per second (lsi/execution_circuit.cpp)
+  const auto every = static_cast<std::uint64_t>(std::max(1.0, std::floor(1 / (120 * report.step) + 0.5)));
+  std::vector<naturalness::Recorder> recorders(options.over_time ? content.characters.size() : 0);
   catch_interrupt();
   Progress progress("run " + name);
   if (!options.frames.empty()) record();
@@ -111,6 +114,8 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
       report.touch_count += touches.size();
       for (content::PlayerTouch& t : touches)
         if (report.touches.size() < RunReport::max_touches) report.touches.push_back(std::move(t));
+      if (done % every == 0)
+        for (std::size_t i = 0; i < recorders.size(); ++i) recorders[i].add(player->measures(static_cast<int>(i)).now);
     }
     report.wall += std::chrono::duration<double>(Clock::now() - began).count();
     report.processor += processor_time() - processor_began;
@@ -129,7 +134,11 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
                                  content.mechanisms[static_cast<std::size_t>(c.mechanism)]->mass(),
                                  c.control.mode != content::ControlMode::passive && !c.track.empty(),
                                  player->measures(static_cast<int>(i)),
+                                 {},
                                  {}});
+    if (options.over_time)
+      report.characters.back().over_time =
+          recorders[i].finish(report.characters.back().measures.totals, c.name, 1 / (static_cast<double>(every) * report.step));
     for (const Link& link : content.mechanisms[static_cast<std::size_t>(c.mechanism)]->links())
       report.characters.back().links.push_back(link.name);
   }

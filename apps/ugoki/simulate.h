@@ -10,6 +10,7 @@
 
 #include "ugoki/base/result.h"
 #include "ugoki/content/player.h"
+#include "ugoki/naturalness/report.h"
 
 namespace ugoki::plugin {
 class LiveLibrary;
@@ -25,6 +26,7 @@ struct CharacterReport {
   bool tracks = false;  ///< true: the character follows a track by motion control
   content::PlayerMeasures measures;
   std::vector<std::string> links;  ///< names of the character's links
+  naturalness::Report over_time;   ///< all measures over time, with RunOptions::over_time
 };
 
 /// Results of a run.
@@ -56,6 +58,7 @@ struct RunOptions {
   std::string inputs;       ///< file of recorded inputs (docs/export.md); empty: none
   std::uint64_t steps = 0;  ///< number of steps, instead of `duration`; 0: use `duration`
   int threads = 1;          ///< number of threads; the result does not depend on it
+  bool over_time = false;   ///< record the measures of naturalness over time
 };
 
 /// Runs executable data from the beginning, with a progress bar. Ctrl+C stops the run and returns an error; no incomplete file is left.

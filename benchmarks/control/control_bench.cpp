@@ -9,6 +9,7 @@
 
 #include "rose_plot.h"
 #include "scene.h"
+#include "scenes.h"
 #include "ugoki/files/files.h"
 #include "ugoki/motion_edit/cycle.h"
 #include "ugoki/spatial/elementary.h"
@@ -30,10 +31,12 @@ constexpr const char* usage =
     "  --friction MU        friction of the floor (default 0.9)\n"
     "  --self               collisions between the links of the character\n"
     "  --set NAME VALUE     parameter of the controller\n"
+    "  --scenes             run the scenes with a known answer instead of motions\n"
     "  --trace              print the state every 0.05 s\n";
 
 struct Options {
   bench::RunSettings settings;
+  bool scenes = false;
   double loop = 0, one = 0;
   std::vector<double> roses;  // N s/kg
   std::string svg;
@@ -101,6 +104,8 @@ bool parse(int argc, char** argv, Options& o) {
     const auto number = [&] { return i + 1 < argc ? std::atof(argv[++i]) : 0.0; };
     if (a == "--loop") {
       o.loop = number();
+    } else if (a == "--scenes") {
+      o.scenes = true;
     } else if (a == "--trace") {
       o.settings.trace = true;
     } else if (a == "--self") {
@@ -189,6 +194,15 @@ int main(int argc, char** argv) {
   Options o;
   if (!parse(argc, argv, o)) return 2;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  if (o.scenes) {
+    bool good = true;
+    for (const bench::SceneRow& row : bench::run_scenes(60)) {
+      std::printf("%-52s %10.4g %-4s (%s) %s, %s\n", row.name.c_str(), row.value, row.unit.c_str(), row.expected.c_str(),
+                  row.good ? "good" : "NOT REACHED", row.same_bits ? "same bits again" : "OTHER BITS");
+      good = good && row.good && row.same_bits;
+    }
+    return good ? 0 : 1;
+  }
   std::vector<bench::RosePoint> points;
   for (const std::string& file : o.files) {
     const Result<bench::ClipFile> clip = bench::read_clip(file);

@@ -218,14 +218,39 @@ TEST_F(CliTest, JudgeComparesWithLimits) {
   const std::string clip = walk();
   const Json j = json({"judge", clip});
   ASSERT_EQ(j["parts"].size(), 2u);
-  EXPECT_EQ(j["parts"][1]["measures"].size(), 5u);
-  for (const Json& part : j["parts"])
-    for (const Json& m : part["measures"]) EXPECT_EQ(m["good"].get<bool>(), m["value"].get<double>() <= m["limit"].get<double>());
+  for (const Json& part : j["parts"]) {
+    EXPECT_EQ(part["measures"].size(), 25u);
+    for (const Json& m : part["measures"]) {
+      if (m["value"].is_null()) {
+        EXPECT_FALSE(m["reason"].get<std::string>().empty()) << m;
+        continue;
+      }
+      const double value = m["value"].get<double>();
+      EXPECT_EQ(m["good"].get<bool>(), value <= m["limit"].get<double>() && (m["minimum"].is_null() || value >= m["minimum"].get<double>())) << m;
+      for (const Json& span : m["bad"]) EXPECT_LE(span["from"].get<double>(), span["at"].get<double>());
+    }
+  }
+  EXPECT_GE(j["parts"][1]["measures"][0]["value"].get<double>(), 0) << "tracking error of the simulation";
   EXPECT_EQ(json({"judge", clip, "--kinematic"})["parts"].size(), 1u);
   EXPECT_EQ(ugoki({"judge", clip, "--kinematic", "--strict", "--max-penetration", "1000", "--max-skate", "1000"}).status, 0);
-  const Output strict = ugoki({"judge", clip, "--strict", "--max-tracking", "0"});
+  const Output strict = ugoki({"judge", clip, "--kinematic", "--strict", "--limit", "work=0.001"});
   EXPECT_EQ(strict.status, 1);
   EXPECT_NE(strict.out.find("TOO MUCH"), std::string::npos) << strict.out;
+  for (const char* wrong : {"charm=1", "work", "work=-1", "work=x"})
+    EXPECT_EQ(ugoki({"judge", clip, "--kinematic", "--limit", wrong}).status, 1) << wrong;
+}
+
+TEST_F(CliTest, JudgeWritesPictures) {
+  const std::string clip = walk(), picture = folder_ + "/walk.svg", plots = folder_ + "/plots";
+  EXPECT_EQ(ugoki({"judge", clip, "--kinematic", "--svg", picture}).status, 0);
+  std::ifstream file(picture);
+  EXPECT_NE(std::string(std::istreambuf_iterator<char>(file), {}).find("Foot skate"), std::string::npos);
+  EXPECT_EQ(ugoki({"judge", clip, "--kinematic", "--svg", plots}).status, 0);
+  EXPECT_TRUE(fs::exists(plots + "/motion.svg"));
+  EXPECT_TRUE(fs::exists(plots + "/motion-foot_slip_cm.svg"));
+  EXPECT_EQ(ugoki({"judge", clip, "--kinematic", "--svg", plots}).status, 0) << "pictures of Ugoki are replaced";
+  std::ofstream(plots + "/motion.svg") << "mine";
+  EXPECT_EQ(ugoki({"judge", clip, "--kinematic", "--svg", plots}).status, 1) << "other files are kept";
 }
 
 TEST_F(CliTest, JudgeAcceptsLimitOptionsOfEarlierVersions) {

@@ -109,7 +109,21 @@ class FakeSimulation final : public Simulation {
   }
   MomentMeasures moment(int character) override {
     const auto x = static_cast<float>(s_.x[static_cast<std::size_t>(character)]);
-    return {x, 2 * x, static_cast<float>(s_.step), 0.25f, s_.step >= 500};
+    MomentMeasures out;
+    out.fill(-1);
+    using enum naturalness::MeasureId;
+    out[naturalness::index_of(tracking)] = x;
+    out[naturalness::index_of(assist)] = 2 * x;
+    out[naturalness::index_of(slip)] = static_cast<float>(s_.step);
+    out[naturalness::index_of(penetration)] = 0.25f;
+    out[naturalness::index_of(fall)] = s_.step >= 500 ? 1 : 0;
+    return out;
+  }
+  RunMeasures run_measures(int) override {
+    RunMeasures out;
+    out.fill(naturalness::value_of(naturalness::Reason::no_walk));
+    out[naturalness::index_of(naturalness::MeasureId::slip)] = 2.5;
+    return out;
   }
   std::uint8_t feet_on_ground(int) override {
     return static_cast<std::uint8_t>(s_.step / 250 % 2 == 0 ? 2 : 1);

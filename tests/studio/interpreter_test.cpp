@@ -223,7 +223,7 @@ std::vector<double> collect_measures(const std::vector<json>& messages, const ch
     if (m["event"] != "measures") continue;
     EXPECT_LE(m["from"].get<std::size_t>(), values.size());
     values.resize(m["from"].get<std::size_t>());
-    for (const json& value : m["characters"][0][key]) values.push_back(value.get<double>());
+    for (const json& value : m["characters"][0]["values"][key]) values.push_back(value.get<double>());
   }
   return values;
 }
@@ -234,7 +234,7 @@ TEST_F(InterpreterTest, MeasuresOfAllFramesAreSentOnceAndAgainOnRequest) {
   ASSERT_TRUE(interpreter.play(std::nullopt));
   pass(2);
   ASSERT_TRUE(interpreter.pause());
-  const std::vector<double> steps = collect_measures(sink.messages, "slip_cm");
+  const std::vector<double> steps = collect_measures(sink.messages, "foot_slip_cm");
   ASSERT_NEAR(static_cast<double>(steps.size()), 121, 2);
   for (std::size_t n = 0; n < steps.size(); ++n) EXPECT_NEAR(steps[n], static_cast<double>(n) / 60 / 0.002, 0.51);
   EXPECT_EQ(sink.last("measures")["rate"], 60);
@@ -242,25 +242,35 @@ TEST_F(InterpreterTest, MeasuresOfAllFramesAreSentOnceAndAgainOnRequest) {
   double fell = -1;
   for (const json& m : sink.messages) {
     if (m["event"] != "measures" || m["from"] == 0) continue;
-    sent += m["characters"][0]["slip_cm"].size();
-    if (!m["characters"][0]["fell"].is_null() && fell < 0) fell = m["characters"][0]["fell"].get<double>();
+    sent += m["characters"][0]["values"]["foot_slip_cm"].size();
+    EXPECT_EQ(m["frames"], m["characters"][0]["values"]["foot_slip_cm"].size());
+    EXPECT_FALSE(m["characters"][0]["values"].contains("jerk")) << "no frame has a value";
+    EXPECT_FALSE(m.contains("list"));
+    const json& falls = m["characters"][0]["values"]["fell"];
+    for (std::size_t n = 0; n < falls.size() && fell < 0; ++n)
+      if (falls[n] > 0) fell = m["from"].get<double>() + static_cast<double>(n);
   }
   EXPECT_LE(sent, steps.size()) << "no frame is sent twice";
+  const json& first = *std::ranges::find_if(sink.messages, [](const json& m) { return m["event"] == "measures" && m["from"] == 0; });
+  EXPECT_EQ(first["list"].size(), naturalness::measure_count);
+  EXPECT_EQ(first["list"][3]["key"], "foot_slip_cm");
+  EXPECT_EQ(sink.last("measures")["characters"][0]["totals"]["foot_slip_cm"], 2.5);
+  EXPECT_EQ(sink.last("measures")["characters"][0]["totals"]["toe_clearance_mm"], "no walking");
   EXPECT_EQ(fell, 60) << "step 500 of 2 ms is frame 60";
   sink.messages.clear();
   interpreter.resend_measures();
   pass(0.5);
-  EXPECT_EQ(collect_measures(sink.messages, "slip_cm"), steps);
+  EXPECT_EQ(collect_measures(sink.messages, "foot_slip_cm"), steps);
   // Frames that are computed again replace the old ones.
   ASSERT_TRUE(interpreter.seek(0.5));
   ASSERT_TRUE(interpreter.push("a", "0", {500, 0, 0}, 0.1));
   ASSERT_TRUE(interpreter.play(std::nullopt));
   pass(1);
   ASSERT_TRUE(interpreter.pause());
-  EXPECT_EQ(collect_measures(sink.messages, "slip_cm").size(), collect_measures(sink.messages, "tracking_deg").size());
-  EXPECT_NEAR(static_cast<double>(collect_measures(sink.messages, "slip_cm").size()), 91, 2);
+  EXPECT_EQ(collect_measures(sink.messages, "foot_slip_cm").size(), collect_measures(sink.messages, "tracking_deg").size());
+  EXPECT_NEAR(static_cast<double>(collect_measures(sink.messages, "foot_slip_cm").size()), 91, 2);
   ASSERT_TRUE(interpreter.restart());
-  EXPECT_EQ(collect_measures(sink.messages, "slip_cm").size(), 1u);
+  EXPECT_EQ(collect_measures(sink.messages, "foot_slip_cm").size(), 1u);
 }
 
 TEST_F(InterpreterTest, PlayingEndsAtTheOutPointOrLoopsToTheInPoint) {

@@ -275,7 +275,7 @@ export const editor_journeys = [
       assert.equal(rate, 60);
       assert.ok(bad.some((s) => s.character === human.id && s.measure === 'fell'), `the push makes the character fall: ${JSON.stringify(bad)}`);
       assert.deepEqual(bad.filter((s) => s.measure === 'fell' && s.to < 1), [], 'no fall before the push');
-      assert.equal(await page.locator('.naturalness section').first().locator('.nat-row').count(), 5, 'all measures of ugoki judge');
+      assert.ok((await page.locator('.naturalness section').first().locator('.nat-row').count()) > 15, 'the measures of ugoki judge');
       await picture_of(page, 'naturalness-dark');
       await toggle_theme(page);
       await picture_of(page, 'naturalness-light');
@@ -292,9 +292,9 @@ export const editor_journeys = [
       const [file] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Export CSV' }).click()]);
       const rows = readFileSync(await file.path(), 'utf8').trim().split('\r\n');
       assert.equal(rows.length, frames + 1);
-      assert.match(rows[0], /^time_s,Human: root_assist_bw,Human: tracking_deg,Human: foot_slip_cm,Human: penetration_mm,Human: fell,/);
+      assert.match(rows[0], /^time_s,Human: tracking_deg,Human: root_assist_bw,Human: fell,Human: foot_slip_cm,Human: penetration_mm,/);
       assert.ok(rows.slice(1).every((row) => row.split(',').length === rows[0].split(',').length && row.split(',').every((cell) => Number.isFinite(Number(cell)))));
-      assert.ok(rows.at(-1).split(',')[5] === '1', 'the last row reports the fall');
+      assert.ok(rows.at(-1).split(',')[3] === '1', 'the last row reports the fall');
       await page.getByRole('tab', { name: 'Scenario' }).click();
       assert.ok((await page.locator(`[data-character="${human.id}"] .problem-mark`).count()) > 0, 'the timeline marks the problems');
       await set_mode(page, 'Edit');

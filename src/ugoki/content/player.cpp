@@ -481,6 +481,8 @@ PlayerMeasures Player::measures(int character) {
   out.assist_now_bw = x[lsi::measure_assist_now];
   out.slip_now_cm = x[lsi::measure_slip_now];
   out.depth_now_mm = x[lsi::measure_depth_now];
+  std::copy_n(x + lsi::measure_totals, out.totals.size(), out.totals.begin());
+  std::copy_n(x + lsi::measure_values, out.now.size(), out.now.begin());
   return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // The player: runs executable data. The studio, the command line, native programs and the WebAssembly build use the same player.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -15,6 +16,7 @@
 #include "ugoki/content/display_frame.h"
 #include "ugoki/content/executable.h"
 #include "ugoki/lsi/world.h"
+#include "ugoki/naturalness/measure_list.h"
 
 namespace ugoki::content {
 
@@ -44,6 +46,9 @@ struct PlayerMeasures {
   double assist_now_bw = 0;     ///< root assist, body weights; 0 after the release
   double slip_now_cm = 0;       ///< maximum net slip of the present stances
   double depth_now_mm = 0;      ///< maximum depth in the ground
+  /// All measures of naturalness/measure_list.h, in its order: of the run (negative: naturalness::reason_words()) and of the present instant
+  /// (negative: no value).
+  std::array<double, naturalness::measure_count> totals = {}, now = {};
 };
 
 /// A touch (contact interval) of two links that began or ended during a step.

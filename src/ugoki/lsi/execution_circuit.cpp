@@ -106,6 +106,8 @@ class Maker {
     wire("control-" + part + ".report", "naturalness-" + part + ".report");
     wire("control-" + part + ".torque", "dynamics.torque");
     wire("control-" + part + ".report", "display.reports");
+    wire("dynamics.contacts", "naturalness-" + part + ".forces");
+    wire("dynamics.applied", "naturalness-" + part + ".applied");
     wire("naturalness-" + part + ".measures", "display.measures");
   }
   static BoundaryPin pin(std::string name, PinTypeId type, std::string doc, std::string end) {

@@ -1,17 +1,22 @@
-// Naturalness: tracking error of a character, root assist that the character needs, sliding and penetration of the feet.
+// Naturalness: all measures of module naturalness for one character of a simulation.
 
+#include <algorithm>
 #include <cmath>
 
 #include "ugoki/lsi/declare.h"
 #include "ugoki/lsi/track_sampler.h"
 #include "ugoki/mechanism/state.h"
-#include "ugoki/motion/foot_slip.h"
-#include "ugoki/motion/measures.h"
+#include "ugoki/naturalness/meter.h"
 
 namespace ugoki::lsi {
 namespace {
 
-enum Input : std::size_t { in_state, in_reference, in_report, in_contacts };
+using naturalness::MeasureId;
+
+enum Input : std::size_t { in_state, in_reference, in_report, in_contacts, in_forces, in_applied };
+
+/// m: a contact up to this far above the ground counts as touching.
+constexpr double touching = 0.005;
 
 /// Sums since the start of the run. Plain data.
 struct Sums {
@@ -27,13 +32,17 @@ struct Sums {
 struct Naturalness {
   const Character* character;
   ReferenceLayout layout;
-  FootSlip skate;
-  GroundPenetration penetration;
-  std::vector<Pose> poses;           // [links] present poses
-  std::vector<std::uint8_t> stance;  // [feet] 1: the foot stands in the reference
-  std::vector<double> error;         // [nv] rad | m: difference between present position and reference
-  std::vector<int> foot_of_link;     // [links] index of the foot (toes and heel are one foot); -1: none
-  std::vector<std::uint8_t> bears;   // [feet] 1: the foot touches the ground now
+  naturalness::Meter meter;
+  bool forces = false;                         // contact forces are wired
+  bool applied = false;                        // drive forces are wired
+  std::size_t dof_offset = 0;                  // index of the character's first number in the drive forces
+  std::vector<Pose> poses, reference_poses;    // [links]
+  std::vector<std::uint8_t> stance;            // [feet] 1: the foot stands in the reference
+  std::vector<std::uint8_t> stands, touches;   // [legs] 1: the foot stands in the reference; touches something
+  std::vector<Vec3> leg_forces;                // [legs] N
+  std::vector<double> error;                   // [nv] rad | m: difference between present position and reference
+  std::vector<int> foot_of_link;               // [links] index of the foot (toes and heel are one foot); -1: none
+  std::vector<std::uint8_t> bears;             // [feet] 1: the foot touches the ground now
   int foot_count = 0;
   double upright = 0;  // m: height of the root above the lowest link in the neutral position
 };
@@ -64,13 +73,36 @@ int count_feet(Naturalness& self, const void* contacts) {
   for (std::uint8_t& b : self.bears) b = 0;
   int feet = 0;
   for (const ContactRecord& c : records<ContactRecord>(contacts)) {
-    if (c.point.system_a != self.character->index || c.point.system_b >= 0 || c.point.distance > 0.005) continue;
+    if (c.point.system_a != self.character->index || c.point.system_b >= 0 || c.point.distance > touching) continue;
     const int foot = self.foot_of_link[static_cast<std::size_t>(c.point.link_a)];
     if (foot < 0 || self.bears[static_cast<std::size_t>(foot)]) continue;
     self.bears[static_cast<std::size_t>(foot)] = 1;
     ++feet;
   }
   return feet;
+}
+
+/// Contacts of the feet and of other links, and the forces on the feet. @return true: a link that is no foot touches something
+bool read_contacts(Naturalness& self, const void* contacts) {
+  std::ranges::fill(self.touches, std::uint8_t{0});
+  std::ranges::fill(self.leg_forces, Vec3{});
+  bool other = false;
+  for (const ContactRecord& c : records<ContactRecord>(contacts)) {
+    for (const bool first : {true, false}) {
+      if ((first ? c.point.system_a : c.point.system_b) != self.character->index) continue;
+      if (c.point.system_a == c.point.system_b) continue;  // two links of the character
+      const bool touches = self.forces ? dot(c.force, c.force) > 0 : c.point.distance <= touching;
+      if (!touches) continue;
+      const int leg = self.meter.body().leg_of_link[static_cast<std::size_t>(first ? c.point.link_a : c.point.link_b)];
+      if (leg < 0) {
+        other = true;
+        continue;
+      }
+      self.touches[static_cast<std::size_t>(leg)] = 1;
+      self.leg_forces[static_cast<std::size_t>(leg)] += first ? c.force : -c.force;
+    }
+  }
+  return other;
 }
 
 std::int32_t advance(const Call* call) {
@@ -80,9 +112,11 @@ std::int32_t advance(const Call* call) {
   const double* reference = circuit::input(call, in_reference);
   const double* report = circuit::input(call, in_report);
   const std::span<const double> q = q_of(*self.character, circuit::input(call, in_state));
+  const std::span<const double> reference_q{reference, self.layout.nq};
   const bool released = report[report_released] > 0;
   calc_poses(m, q, self.poses);
-  difference(m, q, {reference, self.layout.nq}, self.error);
+  calc_poses(m, reference_q, self.reference_poses);
+  difference(m, q, reference_q, self.error);
   double angles = 0, joints = 0;  // rad^2, sum of squared angles now; number of summed joints
   if (!released) {
     angles = squared_angles(m, self.error, joints);
@@ -96,54 +130,92 @@ std::int32_t advance(const Call* call) {
     sums.release_time = call->tick->time;
   }
   for (std::size_t k = 0; k < self.layout.feet; ++k) self.stance[k] = !released && reference[self.layout.stance() + k] > 0 ? 1 : 0;
-  const double dt = sums.last_time >= 0 ? call->tick->time - sums.last_time : 0;
+  const std::vector<naturalness::Leg>& legs = self.meter.body().legs;
+  for (std::size_t k = 0; k < legs.size(); ++k) {
+    self.stands[k] = 0;
+    for (const std::size_t slot : legs[k].foot_slots) self.stands[k] = self.stands[k] || self.stance[slot] ? 1 : 0;
+  }
+  naturalness::Sample s;
+  s.dt = sums.last_time >= 0 ? call->tick->time - sums.last_time : 0;
   sums.last_time = call->tick->time;
-  self.skate.add(self.poses, self.stance, dt);
-  const double depth = self.penetration.add(self.poses);  // m
+  s.q = q;
+  s.v = v_of(*self.character, circuit::input(call, in_state));
+  s.X_WB = self.poses;
+  if (!released) s.reference = self.reference_poses;
+  s.stance = self.stance;
+  s.stands = self.stands;
+  s.other_contact = read_contacts(self, call->in[self.forces ? in_forces : in_contacts]);
+  s.touches = self.touches;
+  if (self.forces) s.forces = self.leg_forces;
+  if (self.applied) s.torque = {circuit::input(call, in_applied) + self.dof_offset, self.layout.nv};
+  if (!released) {
+    s.has_missing = true;
+    const Vec3 force{report[report_force], report[report_force + 1], report[report_force + 2]};
+    const Vec3 moment{report[report_moment], report[report_moment + 1], report[report_moment + 2]};
+    s.missing_force = force;
+    s.missing_moment = moment + cross(self.poses[0].p - centre_of_mass(m, self.poses), force);
+  }
+  self.meter.add(s);
   if (m.link(0).joint.type == JointType::floating) {
     // Fallen: the root is below its reference by more than 35 % of the standing height, or tilted from the reference by more than 1 rad.
     const double below = reference[2] - q[2];                                           // m, in the axes of the root joint
     const double tilt = self.error[0] * self.error[0] + self.error[1] * self.error[1];  // rad^2
     if (below > 0.35 * self.upright || tilt > 1.0) sums.fell = 1;
+    self.meter.set(MeasureId::fall, sums.fell);
   }
-
-  double* out = circuit::output(call, 0);
   constexpr double degrees = 180 / pi;
   const auto root_mean = [](double sum, double count) { return count > 0 ? std::sqrt(sum / count) : 0.0; };
+  const double tracking = degrees * root_mean(angles, joints), assist = released ? 0 : report[report_size];
+  self.meter.set(MeasureId::tracking, tracking, joints);
+  self.meter.set(MeasureId::assist, assist, released ? 0 : 1);
+
+  double* out = circuit::output(call, 0);
   out[measure_tracking] = degrees * root_mean(sums.tracking, sums.tracking_count);
   out[measure_assist] = root_mean(sums.assist, sums.assist_count);
   out[measure_assist_force] = root_mean(sums.assist_force, sums.assist_count);
   out[measure_assist_max] = sums.assist_max;
-  out[measure_skate] = self.skate.mean_cm();
-  out[measure_skate_worst] = self.skate.worst_cm();
-  out[measure_penetration] = self.penetration.worst_mm();
-  out[measure_penetration_rms] = self.penetration.rms_mm();
+  out[measure_skate] = self.meter.slip().mean_cm();
+  out[measure_skate_worst] = self.meter.slip().worst_cm();
+  out[measure_penetration] = self.meter.penetration().worst_mm();
+  out[measure_penetration_rms] = self.meter.penetration().rms_mm();
   out[measure_fell] = sums.fell;
   out[measure_release_time] = sums.release_time;
   out[measure_feet] = count_feet(self, call->in[in_contacts]);
-  out[measure_tracking_now] = degrees * root_mean(angles, joints);
-  out[measure_assist_now] = released ? 0 : report[report_size];
-  out[measure_slip_now] = self.skate.now_cm();
-  out[measure_depth_now] = 1000 * depth;
+  out[measure_tracking_now] = tracking;
+  out[measure_assist_now] = assist;
+  out[measure_slip_now] = self.meter.slip().now_cm();
+  out[measure_depth_now] = std::max(0.0, self.meter.now(MeasureId::penetration));
+  for (std::size_t k = 0; k < naturalness::measure_count; ++k) {
+    out[measure_totals + k] = self.meter.total(static_cast<MeasureId>(k));
+    out[measure_values + k] = self.meter.now(static_cast<MeasureId>(k));
+  }
   return 0;
+}
+
+naturalness::MeterOptions options_of(const World& world) {
+  naturalness::MeterOptions options;
+  options.gravity = norm(world.gravity());
+  options.ground = world.ground().height;
+  options.simulated = true;
+  return options;
 }
 
 void* make(Setup& s) {
   const Character& c = *character_of(s);
+  const World& world = *world_of(s);
   const Mechanism& m = *c.mechanism;
-  auto* self = new Naturalness{&c,
-                               reference_layout(m, c.feet.size()),
-                               FootSlip(m, c.feet),
-                               GroundPenetration(m, world_of(s)->ground().height),
-                               {},
-                               {},
-                               {},
-                               {},
-                               {},
-                               0,
-                               0};
+  auto* self = new Naturalness{
+      &c, reference_layout(m, c.feet.size()), naturalness::Meter(m, options_of(world)), false, false, 0, {}, {}, {}, {}, {}, {}, {}, {}, {}, 0, 0};
+  self->forces = s.wires(in_forces) > 0;
+  self->applied = s.wires(in_applied) > 0;
+  for (const Character& other : world.characters())
+    if (other.index < c.index) self->dof_offset += static_cast<std::size_t>(other.mechanism->nv());
   self->poses.resize(static_cast<std::size_t>(m.link_count()));
+  self->reference_poses = self->poses;
   self->stance.resize(c.feet.size());
+  self->stands.resize(self->meter.body().legs.size());
+  self->touches = self->stands;
+  self->leg_forces.resize(self->stands.size());
   self->error.resize(static_cast<std::size_t>(m.nv()));
   self->foot_of_link.assign(self->poses.size(), -1);
   for (const int link : c.feet) {
@@ -159,31 +231,29 @@ void* make(Setup& s) {
   return self;
 }
 
-/// Returns the address, in the state, of the memory of `skate` and `penetration`, which follows the sums.
-double* memory_of(const Call* call) { return reinterpret_cast<double*>(static_cast<std::byte*>(call->state) + sizeof(Sums)); }
+/// Returns the memory of the meter in the state, which follows the sums.
+std::span<double> memory_of(const Call* call, const Naturalness& self) {
+  return {reinterpret_cast<double*>(static_cast<std::byte*>(call->state) + sizeof(Sums)), self.meter.memory_size()};
+}
 
 void store(const Call* call) {
   const auto& self = object_of<Naturalness>(call);
-  const std::span<double> memory(memory_of(call), self.skate.memory_size() + self.penetration.memory_size());
-  self.skate.save(memory.first(self.skate.memory_size()));
-  self.penetration.save(memory.subspan(self.skate.memory_size()));
+  self.meter.save(memory_of(call, self));
 }
 
 void recall(const Call* call) {
   auto& self = object_of<Naturalness>(call);
-  const std::span<const double> memory(memory_of(call), self.skate.memory_size() + self.penetration.memory_size());
-  self.skate.restore(memory.first(self.skate.memory_size()));
-  self.penetration.restore(memory.subspan(self.skate.memory_size()));
+  self.meter.restore(memory_of(call, self));
 }
 
 std::int32_t init(const Call* call) {
   auto& self = object_of<Naturalness>(call);
   *static_cast<Sums*>(call->state) = Sums{};
-  self.skate.reset();
-  self.penetration.reset();
+  self.meter.reset();
   double* out = circuit::output(call, 0);
   out[measure_release_time] = -1;
   out[measure_feet] = self.foot_count == 0 ? -1 : 0;
+  for (std::size_t k = 0; k < naturalness::measure_count; ++k) out[measure_totals + k] = out[measure_values + k] = naturalness::no_value;
   return 0;
 }
 
@@ -193,15 +263,18 @@ void add_naturalness(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "naturalness";
   c.doc =
-      "Measures since the start and of the present instant: tracking error, root assist, sliding of standing feet, depth in the ground, "
-      "and "
-      "whether the character fell. Set \"every\" so that it runs at about 120 Hz.";
+      "Measures of naturalness since the start and of the present instant: tracking error, root assist, sliding of standing feet, depth in "
+      "the ground, falls, and all others of docs/naturalness.md. Set \"every\" so that it runs at about 120 Hz.";
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
               input_pin("reference", PinTypeId::motion, "", "Reference motion of the character at this tick."),
               input_pin("report", PinTypeId::joint_values, "", "Report of the character's motion control."),
-              input_pin("contacts", PinTypeId::contacts, "", "Contact points now.")};
+              input_pin("contacts", PinTypeId::contacts, "", "Contact points now."),
+              input_pin("forces", PinTypeId::contacts, "", "Contact points with forces, from dynamics; without: forces are not measured."),
+              input_pin("applied", PinTypeId::joint_values, "N m, N",
+                        "Drive forces of all characters, from dynamics; without: torques and work are not measured.")};
+  c.inputs[in_forces].required = c.inputs[in_applied].required = false;
   for (circuit::InputPin& pin : c.inputs) pin.direct = false;
-  c.outputs = {output_pin("measures", PinTypeId::joint_values, "", "Fifteen numbers; docs/circuit.md lists them.")};
+  c.outputs = {output_pin("measures", PinTypeId::joint_values, "", "Measures of the run and of the present instant; docs/circuit.md lists them.")};
   c.outputs[0].delayed = true;
   c.parameters = {character_parameter()};
   c.configure = [](Setup& s) {
@@ -210,8 +283,16 @@ void add_naturalness(circuit::Library& library) {
     check_subject(s, in_reference, "reference", *character);
     check_subject(s, in_report, "report", *character);
     s.set_out(0, measure_count, character->index);
-    const FootSlip skate(*character->mechanism, character->feet);
-    s.set_state(sizeof(Sums) + (skate.memory_size() + GroundPenetration(*character->mechanism).memory_size()) * sizeof(double));
+    const World* world = world_of(s);
+    if (!world) return;
+    std::size_t dofs = 0;
+    for (const Character& c : world->characters()) dofs += static_cast<std::size_t>(c.mechanism->nv());
+    if (s.wires(in_applied) > 0 && s.in(in_applied).count != World::payload_count(dofs))
+      s.fail(ErrorCode::structure,
+             "The wire into '" + s.id() + ".applied' has " + std::to_string(s.in(in_applied).count) + " numbers; it must have " +
+                 std::to_string(dofs) + ", one for each degree of freedom of all characters.",
+             "Wire the output `applied` of a dynamics LSI.");
+    s.set_state(sizeof(Sums) + naturalness::Meter(*character->mechanism, options_of(*world)).memory_size() * sizeof(double));
   };
   c.make = make;
   c.destroy = destroy<Naturalness>;

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "ugoki/collision/contact_point.h"
+#include "ugoki/naturalness/measure_list.h"
 #include "ugoki/spatial/spatial.h"
 
 namespace ugoki::lsi {
@@ -121,7 +122,10 @@ enum Measure : std::size_t {
   measure_assist_now = 12,      ///< root assist now, body weights; 0 after the release
   measure_slip_now = 13,        ///< net slip of the present stance (FootSlip), maximum over the standing feet, cm
   measure_depth_now = 14,       ///< maximum depth below the ground now, mm
-  measure_count = 15,           ///< number of entries
+  /// values of the whole run of all measures of naturalness/measure_list.h, in its order; negative: naturalness::reason_words()
+  measure_totals = 15,
+  measure_values = measure_totals + naturalness::measure_count,  ///< the same measures now; negative: no value
+  measure_count = measure_values + naturalness::measure_count,   ///< number of entries
 };
 
 }  // namespace ugoki::lsi

@@ -129,32 +129,66 @@ void Interpreter::resend_measures() {
   summary_due_ = true;
 }
 
+namespace {
+
+Json limit(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+/// The measures with their limits, as pages show them.
+Json measure_table() {
+  Json out = Json::array();
+  for (const naturalness::MeasureInfo& m : naturalness::measure_list())
+    out.push_back({{"key", m.key},
+                   {"name", m.name},
+                   {"unit", m.unit},
+                   {"total", naturalness::name_of(m.total)},
+                   {"digits", m.digits},
+                   {"low", limit(m.limits.low)},
+                   {"good_low", limit(m.limits.good_low)},
+                   {"good_high", limit(m.limits.good_high)},
+                   {"high", limit(m.limits.high)},
+                   {"now_low", limit(m.now.low)},
+                   {"now_high", limit(m.now.high)},
+                   {"smooth", m.smooth},
+                   {"meaning", m.meaning}});
+  return out;
+}
+
+}  // namespace
+
 /// Sends the event `measures` with the frames that the pages do not have; if there are too many for one event, the rest is due later.
 void Interpreter::report_measures() {
   const std::size_t frames = recording_->frame_count();
   if (!measures_cut_ && measures_sent_ == frames) return;
   const std::vector<CastMember>& cast = simulation_->cast();
-  const std::size_t end =
-      std::min(frames, measures_sent_ + std::max<std::size_t>(1, max_measures / (4 * std::max<std::size_t>(1, cast.size()))));
+  const std::size_t in_frame = naturalness::measure_count * std::max<std::size_t>(1, cast.size());
+  const std::size_t end = std::min(frames, measures_sent_ + std::max<std::size_t>(1, max_measures / in_frame));
   Json characters = Json::array();
   for (std::size_t c = 0; c < cast.size(); ++c) {
-    Json tracking = Json::array(), assist = Json::array(), slip = Json::array(), depth = Json::array(), fell = nullptr;
-    for (std::size_t n = measures_sent_; n < end; ++n) {
-      const MomentMeasures& m = recording_->measures(n)[c];
-      tracking.push_back(rounded(m.tracking_deg));
-      assist.push_back(rounded(m.assist_bw));
-      slip.push_back(rounded(m.slip_cm));
-      depth.push_back(rounded(m.depth_mm));
-      if (m.fell && fell.is_null()) fell = n;
+    Json values = Json::object(), totals = Json::object();
+    const RunMeasures run = simulation_->run_measures(static_cast<int>(c));
+    for (const naturalness::MeasureInfo& info : naturalness::measure_list()) {
+      const std::size_t k = naturalness::index_of(info.id);
+      if (run[k] < 0)
+        totals[info.key] = naturalness::reason_words(run[k]);
+      else
+        totals[info.key] = rounded(static_cast<float>(run[k]));
+      Json series = Json::array();
+      bool any = false;
+      for (std::size_t n = measures_sent_; n < end; ++n) {
+        const float value = recording_->measures(n)[c][k];
+        any = any || value >= 0;
+        series.push_back(value < 0 ? Json(nullptr) : Json(rounded(value)));
+      }
+      if (any) values[info.key] = std::move(series);
     }
-    characters.push_back({{"id", cast[c].id},
-                          {"tracking_deg", std::move(tracking)},
-                          {"assist_bw", std::move(assist)},
-                          {"slip_cm", std::move(slip)},
-                          {"depth_mm", std::move(depth)},
-                          {"fell", std::move(fell)}});
+    characters.push_back({{"id", cast[c].id}, {"values", std::move(values)}, {"totals", std::move(totals)}});
   }
-  const Json event{{"event", "measures"}, {"rate", recording_->rate()}, {"from", measures_sent_}, {"characters", std::move(characters)}};
+  Json event{{"event", "measures"},
+             {"rate", recording_->rate()},
+             {"from", measures_sent_},
+             {"frames", end - measures_sent_},
+             {"characters", std::move(characters)}};
+  if (measures_sent_ == 0) event["list"] = measure_table();
   sink_.message(event.dump());
   measures_sent_ = end;
   measures_cut_ = false;

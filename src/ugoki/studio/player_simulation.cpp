@@ -108,9 +108,11 @@ class PlayerSimulation final : public Simulation {
   }
   MomentMeasures moment(int character) override {
     const content::PlayerMeasures m = player_.measures(character);
-    return {static_cast<float>(m.tracking_now_deg), static_cast<float>(m.assist_now_bw), static_cast<float>(m.slip_now_cm),
-            static_cast<float>(m.depth_now_mm), m.fell};
+    MomentMeasures out{};
+    for (std::size_t k = 0; k < out.size(); ++k) out[k] = static_cast<float>(m.now[k]);
+    return out;
   }
+  RunMeasures run_measures(int character) override { return player_.measures(character).totals; }
   std::uint8_t feet_on_ground(int character) override {
     const int feet = player_.measures(character).feet_on_ground;
     return feet < 0 ? 255 : static_cast<std::uint8_t>(feet);

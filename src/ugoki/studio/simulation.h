@@ -1,6 +1,7 @@
 #pragma once
 // Interface of the content that the interpreter plays: it can be stepped, saved, restored and shown.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "ugoki/circuit/interpreter.h"
 #include "ugoki/content/player.h"
 #include "ugoki/mechanism/mechanism.h"
+#include "ugoki/naturalness/measure_list.h"
 #include "ugoki/spatial/vec3.h"
 
 namespace ugoki::studio {
@@ -34,14 +36,10 @@ struct CharacterSummary {
   bool fell = false;
 };
 
-/// Measures of a character's motion at one instant.
-struct MomentMeasures {
-  float tracking_deg = 0;  ///< RMS of the joints' tracking error, degrees; 0 after the release
-  float assist_bw = 0;     ///< root-assist wrench, body weights; 0 after the release
-  float slip_cm = 0;       ///< maximum net slip of the present stances, cm
-  float depth_mm = 0;      ///< maximum depth in the ground, mm
-  bool fell = false;       ///< the character has fallen at this instant or before
-};
+/// Measures of a character's motion at one instant, by naturalness::MeasureId; negative: no value.
+using MomentMeasures = std::array<float, naturalness::measure_count>;
+/// Measures of a character's motion since time 0, by naturalness::MeasureId; negative: naturalness::reason_words().
+using RunMeasures = std::array<double, naturalness::measure_count>;
 
 class Simulation {
  public:
@@ -97,7 +95,8 @@ class Simulation {
   virtual void encode_pose(double time, std::vector<std::byte>& out) = 0;
 
   [[nodiscard]] virtual CharacterSummary summary(int character) = 0;
-  [[nodiscard]] virtual MomentMeasures moment(int /*character*/) { return {}; }  ///< measures of the present instant
+  [[nodiscard]] virtual MomentMeasures moment(int /*character*/) { return {}; }   ///< measures of the present instant
+  [[nodiscard]] virtual RunMeasures run_measures(int /*character*/) { return {}; }  ///< measures since time 0
   /// Number of feet that bear on the ground now; 255: the character has no feet.
   [[nodiscard]] virtual std::uint8_t feet_on_ground(int character) = 0;
 };

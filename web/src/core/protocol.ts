@@ -76,19 +76,35 @@ export interface ContactSpan {
   feet: number;
 }
 
-/** Measures of one character in consecutive recorded frames, one value for each frame. */
+/** A measure of naturalness with its limits. null: no limit on this side. */
+export interface MeasureInfo {
+  /** Name with unit, as in CSV tables and in the JSON output of `ugoki judge`. */
+  key: string;
+  name: string;
+  unit: string;
+  /** How the value of the run follows from the values over time. */
+  total: 'rms' | 'mean' | 'maximum' | 'share';
+  digits: number;
+  /** Limits of the value of the run: bad below `low` and above `high`, good from `good_low` to `good_high`. */
+  low: number | null;
+  good_low: number | null;
+  good_high: number | null;
+  high: number | null;
+  /** Limits of the values over time. */
+  now_low: number | null;
+  now_high: number | null;
+  /** True: the limits over time hold for root mean squares over 0.25 s. */
+  smooth: boolean;
+  meaning: string;
+}
+
+/** Measures of one character in consecutive recorded frames. */
 export interface MeasureSamples {
   id: string;
-  /** RMS deviation of the joints from their reference, degrees. */
-  tracking_deg: number[];
-  /** Root assist, body weights. */
-  assist_bw: number[];
-  /** Net slip of the present stances of the feet, cm. */
-  slip_cm: number[];
-  /** Maximum depth in the ground, mm. */
-  depth_mm: number[];
-  /** Index of the first of these frames in which the character has fallen; null: it has not. */
-  fell: number | null;
+  /** For each measure with values in these frames: one value for each frame; null: no value. */
+  values: Record<string, (number | null)[]>;
+  /** For each measure the value since time 0, or the reason why there is none. */
+  totals: Record<string, number | string>;
 }
 
 export interface MeasuresEvent {
@@ -96,6 +112,10 @@ export interface MeasuresEvent {
   rate: number;
   /** Index of the first frame of this event. The values of this and later frames that the page has are outdated. */
   from: number;
+  /** Number of frames of this event. */
+  frames: number;
+  /** All measures; only in events from frame 0. */
+  list?: MeasureInfo[];
   characters: MeasureSamples[];
 }
 

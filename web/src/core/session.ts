@@ -43,6 +43,7 @@ export class Session {
   private watched = '';
   /** Outputs whose values the rules panel shows. */
   private watched_rules: string[] = [];
+  private watched_plots: string[] = [];
   private watched_circuit: { pins: string[]; probes: string[]; timing: boolean } = { pins: [], probes: [], timing: false };
   private readonly client: Client;
   private readonly seeks: LatestOnly<number>;
@@ -310,10 +311,16 @@ export class Session {
     this.send_watch();
   }
 
+  /** Selects outputs whose curves the plots panel shows, in addition to those of watch(). */
+  watch_plots(probes: string[]): void {
+    this.watched_plots = probes;
+    this.send_watch();
+  }
+
   /** Sends the `watch` request for the circuit's live data and the viewport's closest pairs, if the request changed. */
   private send_watch(): void {
     const { closest } = this.state.view;
-    const request = { ...this.watched_circuit, pins: [...new Set([...this.watched_circuit.pins, ...this.watched_rules])], closest };
+    const request = { ...this.watched_circuit, pins: [...new Set([...this.watched_circuit.pins, ...this.watched_rules])], probes: [...new Set([...this.watched_circuit.probes, ...this.watched_plots])], closest };
     const wanted = JSON.stringify(request);
     if (wanted === this.watched || this.state.connection !== 'open') return;
     this.watched = wanted;

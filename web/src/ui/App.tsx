@@ -11,6 +11,7 @@ import { LookPanel } from './film/LookPanel';
 import { CircuitPanel } from './circuit/CircuitPanel';
 import { LogPanel } from './LogPanel';
 import { NaturalnessPanel } from './NaturalnessPanel';
+import { PlotsPanel } from './PlotsPanel';
 import { ClipMenu } from './motion/ClipMenu';
 import { MotionDialog } from './motion/MotionDialog';
 import { CurvesPanel } from './posing/CurvesPanel';
@@ -31,6 +32,7 @@ const components: Record<string, FunctionComponent> = {
   look: LookPanel,
   scenario: ScenarioPanel,
   naturalness: NaturalnessPanel,
+  plots: PlotsPanel,
   log: LogPanel,
   circuit: CircuitPanel,
   rules: RulesPanel,
@@ -103,6 +105,7 @@ function add_missing(api: DockviewApi): void {
   add_poses(api);
   for (const [id, title, index] of [['curves', 'Curves', 1], ['circuit', 'Circuit', 2], ['rules', 'Rules', 3]] as const)
     if (!api.getPanel(id)) api.addPanel({ id, component: id, title, inactive: true, position: { referencePanel: 'scenario', direction: 'within', index } });
+  if (api.getPanel('naturalness') && !api.getPanel('plots')) api.addPanel({ id: 'plots', component: 'plots', title: 'Plots', inactive: true, position: { referencePanel: 'naturalness', direction: 'within' } });
   if (api.getPanel('inspector') && !api.getPanel('look')) api.addPanel({ id: 'look', component: 'look', title: 'Look', inactive: true, position: { referencePanel: 'inspector', direction: 'within' } });
 }
 

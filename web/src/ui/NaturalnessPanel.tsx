@@ -2,32 +2,11 @@
 import { useLayoutEffect, useMemo, useRef, useState, type ReactElement } from 'react';
 import type { Character, ScenarioDocument } from '../core/document';
 import { format_ruler } from '../core/format';
-import { grade, measures as overall, shown_value, type Grade } from '../core/judge';
-import { describe_span, rms_time, timed_measures, type BadSpan, type MeasureHistory, type Timed } from '../core/measures';
-import type { CharacterSummary } from '../core/protocol';
+import { describe_span, grade_run, limit_text, with_unit, type BadSpan, type MeasureHistory, type Timed } from '../core/measures';
 import { ruler_steps } from '../core/timeline';
 import { all_bad_spans, run } from './actions';
 import { plain_canvas, session, useStudio } from './app';
 import { Icon } from './icons';
-
-/** Measure of the whole run (judge.ts) that belongs to a measure over time, and what `ugoki judge` compares with the limit. */
-const of_run: Record<Timed['key'], { key: keyof CharacterSummary; kind: string } | null> = {
-  assist_bw: { key: 'assist_rms_bw', kind: 'rms' },
-  tracking_deg: { key: 'tracking_rms_deg', kind: 'rms' },
-  slip_cm: { key: 'foot_skate_cm', kind: 'mean' },
-  depth_mm: { key: 'penetration_mm', kind: 'max' },
-  fell: null,
-};
-const meanings: Record<Timed['key'], string> = {
-  assist_bw: `External force and moment on the root that the motion needs in addition to its feet, of body weight; rms over ${rms_time} s`,
-  tracking_deg: `Angle between the joints and the motion of the track; rms over ${rms_time} s`,
-  slip_cm: 'Distance that a standing foot slides during one stance',
-  depth_mm: 'Depth of the body in the ground',
-  fell: 'The root is far below its reference, or tilted from it by more than 57°',
-};
-
-const in_unit = (value: number, measure: Timed): string =>
-  !Number.isFinite(value) ? '–' : measure.key === 'fell' ? (value > 0 ? 'yes' : 'no') : `${value.toFixed(measure.digits)}${measure.unit === '°' ? '' : ' '}${measure.unit}`;
 
 /** Shows the simulated frame at `time` (s). */
 function go_to(time: number): void {
@@ -38,10 +17,9 @@ function go_to(time: number): void {
 export function NaturalnessPanel(): ReactElement {
   const doc = useStudio((s) => s.document);
   const measures = useStudio((s) => s.measures);
-  const summary = useStudio((s) => s.summary);
   const mode = useStudio((s) => s.transport.mode);
   const spans = useMemo(all_bad_spans, [measures, doc]);
-  const driven = doc?.characters.filter((c) => c.control.mode === 'track' && measures.values(c.id, 'assist_bw').length > 0) ?? [];
+  const driven = doc?.characters.filter((c) => c.control.mode === 'track' && measures.has(c.id)) ?? [];
   if (!doc || measures.frames < 2 || driven.length === 0) {
     return (
       <div className="panel empty">
@@ -83,9 +61,10 @@ export function NaturalnessPanel(): ReactElement {
             <span className="dot" style={{ background: character.color ?? '#e6e6ea' }} />
             {character.name}
           </h4>
-          {timed_measures.map((measure) => (
-            <MeasureRow key={measure.key} doc={doc} character={character} measure={measure} measures={measures} summary={summary.characters.find((c) => c.id === character.id)} spans={spans.filter((s) => s.character === character.id && s.measure === measure)} />
+          {measures.list.filter((measure) => measures.values(character.id, measure.key).length > 0).map((measure) => (
+            <MeasureRow key={measure.key} doc={doc} character={character} measure={measure} measures={measures} spans={spans.filter((s) => s.character === character.id && s.measure === measure)} />
           ))}
+          <Absent character={character.id} measures={measures} />
         </section>
       ))}
     </div>
@@ -97,29 +76,41 @@ interface RowProps {
   character: Character;
   measure: Timed;
   measures: MeasureHistory;
-  summary: CharacterSummary | undefined;
   spans: readonly BadSpan[];
 }
 
-function MeasureRow({ doc, character, measure, measures, summary, spans }: RowProps): ReactElement {
+/** The measures that have no values, by reason. */
+function Absent({ character, measures }: { character: string; measures: MeasureHistory }): ReactElement | null {
+  const by_reason = new Map<string, string[]>();
+  for (const measure of measures.list)
+    if (measures.values(character, measure.key).length === 0) {
+      const reason = measures.reason(character, measure) || 'no value yet';
+      by_reason.set(reason, [...(by_reason.get(reason) ?? []), measure.name]);
+    }
+  if (by_reason.size === 0) return null;
+  return (
+    <p className="nat-absent">
+      Not measured: {[...by_reason].map(([reason, names]) => `${names.join(', ')} (${reason})`).join('; ')}
+    </p>
+  );
+}
+
+function MeasureRow({ doc, character, measure, measures, spans }: RowProps): ReactElement {
   const peak = measures.peak(character.id, measure);
-  const run_of = of_run[measure.key];
-  const rule = overall.find((m) => m.key === run_of?.key);
-  const value = rule ? shown_value(rule, summary) : summary ? Number(summary.fell) : NaN;
-  const graded: Grade = rule ? grade(rule, value) : value > 0 ? 'bad' : 'good';
+  const value = measures.total(character.id, measure);
   return (
     <div className="nat-row">
-      <span className="nat-name" title={meanings[measure.key]}>{measure.name}</span>
-      <span className="value" data-grade={graded}>
-        {in_unit(value, measure)}
-        {run_of && <span className="limit"> {run_of.kind}</span>}
+      <span className="nat-name" title={measure.meaning}>{measure.name}</span>
+      <span className="value" data-grade={grade_run(measure, value)} title={measures.reason(character.id, measure) || undefined}>
+        {with_unit(value, measure)}
+        {measure.key !== 'fell' && Number.isFinite(value) && <span className="limit"> {measure.kind}</span>}
       </span>
-      <span className="limit">{measure.key === 'fell' ? 'none' : `${measure.bad} ${measure.unit}`.replace(' °', '°')}</span>
+      <span className="limit">{limit_text(measure)}</span>
       {measure.key === 'fell' || !peak ? (
         <span className="limit">{spans[0] ? `at ${spans[0].from.toFixed(2)} s` : '–'}</span>
       ) : (
-        <button type="button" className="quiet nat-worst" title={`Go to ${peak.at.toFixed(2)} s`} aria-label={`Worst ${measure.name.toLowerCase()} of ${character.name}: ${in_unit(peak.value, measure)} at ${peak.at.toFixed(2)} s`} onClick={() => go_to(peak.at)}>
-          {in_unit(peak.value, measure)}
+        <button type="button" className="quiet nat-worst" title={`Go to ${peak.at.toFixed(2)} s`} aria-label={`Worst ${measure.name.toLowerCase()} of ${character.name}: ${with_unit(peak.value, measure)} at ${peak.at.toFixed(2)} s`} onClick={() => go_to(peak.at)}>
+          {with_unit(peak.value, measure)}
         </button>
       )}
       <Now character={character.id} measure={measure} measures={measures} />
@@ -130,7 +121,7 @@ function MeasureRow({ doc, character, measure, measures, summary, spans }: RowPr
 
 function Now({ character, measure, measures }: { character: string; measure: Timed; measures: MeasureHistory }): ReactElement {
   const time = useStudio((s) => s.transport.time);
-  return <span className="limit">{in_unit(measures.value_at(character, measure, time), measure)}</span>;
+  return <span className="limit">{with_unit(measures.value_at(character, measure, time), measure)}</span>;
 }
 
 /** Width of an element in px, kept up to date. */
@@ -162,7 +153,7 @@ function TimeLabels({ duration }: { duration: number }): ReactElement {
 }
 
 /** The measure over time: a curve up to twice the limit, and a bar, which goes there when clicked, at each span in which it is bad. */
-function Lane({ doc, character, measure, measures, spans }: Omit<RowProps, 'summary'>): ReactElement {
+function Lane({ doc, character, measure, measures, spans }: RowProps): ReactElement {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [lane, width] = use_width<HTMLDivElement>();
   const theme = useStudio((s) => s.theme);
@@ -180,17 +171,21 @@ function Lane({ doc, character, measure, measures, spans }: Omit<RowProps, 'summ
     const style = getComputedStyle(element);
     const y = (value: number): number => height - 1 - (height - 3) * Math.min(1, value / (2 * measure.bad));
     context.fillStyle = style.getPropertyValue('--line-strong');
-    context.fillRect(0, Math.round(y(measure.bad)), width, 1);
+    for (const limit of [measure.low, measure.bad]) if (limit > 0) context.fillRect(0, Math.round(y(limit)), width, 1);
     // the maximum of the frames in each pixel column, so that no peak is lost
     const values = measures.shown(character.id, measure);
     const frames_per_px = (duration * measures.rate) / width;
     context.beginPath();
+    let gap = true; // the curve is interrupted where there is no value
     for (let x = 0; x < width; x++) {
       const from = Math.floor(x * frames_per_px);
       if (from >= values.length) break;
-      let maximum = 0;
-      for (let i = from; i < Math.max(from + 1, (x + 1) * frames_per_px) && i < values.length; i++) maximum = Math.max(maximum, values[i]!);
-      context.lineTo(x + 0.5, y(maximum));
+      let maximum = -1;
+      for (let i = from; i < Math.max(from + 1, (x + 1) * frames_per_px) && i < values.length; i++) if (values[i]! > maximum) maximum = values[i]!;
+      if (maximum < 0) gap = true;
+      else if (gap) context.moveTo(x + 0.5, y(maximum));
+      else context.lineTo(x + 0.5, y(maximum));
+      gap = maximum < 0;
     }
     context.strokeStyle = style.getPropertyValue('--text-dim');
     context.lineWidth = 1.2;

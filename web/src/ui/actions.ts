@@ -3,7 +3,7 @@ import { content_end, find_character, find_clip, find_event, fit_blends, free_na
 import { insert_time, ripple_remove } from '../core/ripple';
 import { link_position } from '../core/frames';
 import { all_items, duplicate_items, remove_items, selection_of } from '../core/items';
-import { next_span, timed_measures, type BadSpan } from '../core/measures';
+import { next_span, type BadSpan } from '../core/measures';
 import type { AppCommand } from '../core/commands';
 import { character_for_rule, new_condition, type Rule } from '../core/rules';
 import { draft_key, selected_character } from '../core/state';
@@ -228,7 +228,7 @@ function set_range(end: 'from' | 'to'): void {
 export function all_bad_spans(): BadSpan[] {
   const { document, measures } = state();
   const driven = document?.characters.filter((c) => c.control.mode === 'track') ?? [];
-  return driven.flatMap((c) => timed_measures.flatMap((measure) => measures.bad_spans(c.id, measure)));
+  return driven.flatMap((c) => measures.list.flatMap((measure) => measures.bad_spans(c.id, measure)));
 }
 
 function go_to_problem(back: boolean): void {
@@ -555,7 +555,7 @@ const commands: AppCommand[] = [
   } },
   { id: 'page.large', label: 'Maximise or restore the panel', group: 'Page', keys: ['Ctrl+Space'], run: () => parts.toggle_maximized() },
   { id: 'page.layout', label: 'Reset the layout', group: 'Page', run: () => parts.reset_layout() },
-  ...(['library', 'poses', 'inspector', 'look', 'scenario', 'curves', 'rules', 'circuit', 'naturalness', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
+  ...(['library', 'poses', 'inspector', 'look', 'scenario', 'curves', 'rules', 'circuit', 'naturalness', 'plots', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
   {
     id: 'page.escape', label: 'Close, release or deselect', group: 'Page', keys: ['Escape'],
     run: () => {

@@ -8,7 +8,7 @@ import { index_beside } from '../core/track_groups';
 import { is_selected, items_of, items_span, move_items, toggle_item, type Item } from '../core/items';
 import { changed_fields, drag_clip, ends_moving, move_clip, snap_delta, snap_targets, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
 import { shown_document } from '../core/state';
-import { describe_span, timed_measures } from '../core/measures';
+import { describe_span } from '../core/measures';
 import { band_gradient } from '../core/motion/desk';
 import { layer_times } from '../core/posing/keys';
 import { desk, page, plain_canvas, session, useDesk, usePage, useStudio } from './app';
@@ -619,7 +619,7 @@ function ContactBar({ character, view }: { character: string; view: TimeView }):
 /** Red lines above the clips at the times at which a measure of naturalness is bad; the naturalness panel names the measures. */
 function BadMarks({ character, view }: { character: string; view: TimeView }): ReactElement {
   const measures = useStudio((s) => s.measures);
-  const spans = useMemo(() => timed_measures.flatMap((measure) => measures.bad_spans(character, measure)), [measures, character]);
+  const spans = useMemo(() => measures.list.flatMap((measure) => measures.bad_spans(character, measure)), [measures, character]);
   return (
     <>
       {spans.map((span) => (
