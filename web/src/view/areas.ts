@@ -70,10 +70,11 @@ export function drawn_areas(scene: THREE.Object3D, without: readonly THREE.Objec
   const matrix = new THREE.Matrix4();
   const corners = Array.from({ length: 8 }, () => new THREE.Vector4());
   const at = new THREE.Vector4();
+  // The bounds of one object. Vertices that follow several bones lie between the boxes of these bones.
+  let area: Area = { left: 0, bottom: 0, right: 0, top: 0 };
   const take = (box: THREE.Box3, to_world: THREE.Matrix4): void => {
     matrix.multiplyMatrices(to_clip, to_world);
     corners.forEach((c, i) => c.set(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z, 1).applyMatrix4(matrix));
-    const area = { left: Infinity, bottom: Infinity, right: -Infinity, top: -Infinity };
     const contain = ({ x, y, w }: THREE.Vector4): void => {
       area.left = Math.min(area.left, (0.5 + (0.5 * x) / w) * width);
       area.right = Math.max(area.right, (0.5 + (0.5 * x) / w) * width);
@@ -87,17 +88,20 @@ export function drawn_areas(scene: THREE.Object3D, without: readonly THREE.Objec
         if (c.w < nearest !== d.w < nearest) contain(at.lerpVectors(c, d, (nearest - c.w) / (d.w - c.w)));
       }
     }
-    area.left = Math.max(0, Math.floor(area.left) - margin);
-    area.bottom = Math.max(0, Math.floor(area.bottom) - margin);
-    area.right = Math.min(width, Math.ceil(area.right) + margin);
-    area.top = Math.min(height, Math.ceil(area.top) + margin);
-    if (area.left < area.right && area.bottom < area.top) areas.push(area);
+  };
+  const keep = ({ left, bottom, right, top }: Area): void => {
+    const kept = { left: Math.max(0, Math.floor(left) - margin), bottom: Math.max(0, Math.floor(bottom) - margin), right: Math.min(width, Math.ceil(right) + margin), top: Math.min(height, Math.ceil(top) + margin) };
+    if (kept.left < kept.right && kept.bottom < kept.top) areas.push(kept);
   };
   let known = true;
   const visit = (object: THREE.Object3D): void => {
     if (!object.visible || without.includes(object)) return;
     const drawable = object instanceof THREE.Mesh || object instanceof THREE.Line || object instanceof THREE.Points;
-    if (drawable && object.layers.test(camera.layers) && !each_box(object, take)) known = false;
+    if (drawable && object.layers.test(camera.layers)) {
+      area = { left: Infinity, bottom: Infinity, right: -Infinity, top: -Infinity };
+      if (!each_box(object, take)) known = false;
+      keep(area);
+    }
     for (const child of object.children) visit(child);
   };
   visit(scene);
