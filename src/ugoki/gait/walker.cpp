@@ -123,9 +123,8 @@ class Maker {
     const Mat3 R_FH = leg.R_HF.transposed();
     leg.heel = R_FH * Vec3{back.x, side_sum, low + leg.heel_radius};
     leg.toe = R_FH * Vec3{front.x, side_sum, low + leg.toe_radius};
-    const double span = front.x - back.x + leg.heel_radius + leg.toe_radius;
-    leg.point_foot = span < 0.12 * chain;
     leg.sole = R_FH * Vec3{0.5 * (back.x + front.x), side_sum, low};
+    leg.point_foot = front.x - back.x < 0.05 * (chain + norm(leg.sole));
     if (leg.point_foot) {
       leg.point = R_FH * Vec3{0.5 * (back.x + front.x), side_sum, low + leg.toe_radius};
       leg.heel_radius = leg.toe_radius;
