@@ -1,4 +1,4 @@
-// `ugoki gait`: makes a walk, a run, a trot ... without measured data.
+// `ugoki gait`: makes a walk, a trot ... without measured data.
 
 #include "ugoki/gait/gait.h"
 
@@ -60,7 +60,7 @@ Result<gait::GaitStage> stage_of(const std::string& text) {
   const std::size_t a = text.find(','), b = a == std::string::npos ? a : text.find(',', a + 1);
   const auto wrong = [&] {
     return fail(ErrorCode::syntax, "--then '" + text + "'", "This is not a stage.",
-                "Give time, kind, speed and turn rate, for example 5,run,3,0.");
+                "Give time, kind, speed and turn rate, for example 5,walk,1.5,0.");
   };
   if (b == std::string::npos) return wrong();
   const std::optional<std::vector<double>> time = numbers_of(text.substr(0, a), 1), rest = numbers_of(text.substr(b + 1), 2);
@@ -191,14 +191,14 @@ int run_gait(const Options& o) {
 
 void add_gait_verb(CLI::App& app, Action& action) {
   auto o = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("gait", "Make a walk, run, trot, gallop ... of any body with legs, without measured data.");
+  CLI::App* verb = app.add_subcommand("gait", "Make a walk, trot, gallop ... of any body with legs, without measured data.");
   verb->add_option("body", o->body, "human, dog, mechanism file (JSON, URDF, SDF, MJCF), measured file, or entry of the library");
   verb->add_option("--height", o->height, "Instead of a body: a person of this height in m")->check(CLI::Range(0.8, 5.0));
   verb->add_option("--kind", o->kind, "walk, run, trot, pace, canter, gallop, rotary, bound, pronk")->capture_default_str();
   verb->add_option("--speed", o->speed, "m/s (default: a usual speed of the kind)")
       ->check(number_from(0, 100));
   verb->add_option("--turn", o->turn, "Degrees per second, positive to the left")->check(number_from(-570, 570))->capture_default_str();
-  verb->add_option("--then", o->then, "Further stage TIME,KIND,SPEED,TURN (s, m/s, degrees per second), for example 5,run,3,0");
+  verb->add_option("--then", o->then, "Further stage TIME,KIND,SPEED,TURN (s, m/s, degrees per second), for example 5,walk,1.5,0");
   verb->add_option("--seconds", o->gait.seconds, "Duration")->check(number_from(0.05, 3600))->capture_default_str();
   verb->add_flag("--stride", o->stride, "One stride, cyclic, instead of a duration");
   verb->add_flag("--moving", o->moving, "Do not start and end with standing");
@@ -222,7 +222,7 @@ void add_gait_verb(CLI::App& app, Action& action) {
   verb->add_flag("--json", o->json, "Print one JSON object");
   verb->footer(
       "Example:\n  ugoki gait human --kind walk --speed 1.25 --seconds 10 --turn 45 -o walk.bvh\n  ugoki gait dog --kind trot --speed 2 "
-      "--then 5,gallop,4.5,0 --project dog.ugoki\n  ugoki gait robot.urdf --stride -o step.glb");
+      "--then 5,trot,2.5,0 --project dog.ugoki\n  ugoki gait robot.urdf --stride -o step.glb");
   verb->callback([o, &action] {
     if (o->body.empty() && !(o->height > 0)) throw CLI::ValidationError("body", "or --height is required.");
     action = [o] { return run_gait(*o); };

@@ -86,24 +86,25 @@ class Maker {
     const double end = (c_.last - c_.first) / o_.rate;
     // Before the end the speed has to fall to zero, and the last foot has to land.
     const GaitStage& final = o_.stages.back();
-    const double closing = 1.6 * pattern(final.kind, 0).stride_time;
+    const double unit = std::sqrt(w_.hip_height / 0.9);  // Froude scaling of times
+    // A change of speed takes 1.4 s for a human: about 0.1 g. It begins at the time of its stage.
+    const int half = static_cast<int>(0.35 * unit * o_.rate);
+    const double delay = o_.one_stride ? 0 : 2 * half / o_.rate, closing = 2 * delay + 0.3 * unit + 1.4 * pattern(final.kind, 0).stride_time;
     for (int f = 0; f < n; ++f) {
       const double t = (f - c_.first) / o_.rate;
       const GaitStage* stage = &o_.stages.front();
       for (const GaitStage& s : o_.stages)
-        if (s.time <= t) stage = &s;
+        if (s.time <= t - delay) stage = &s;
       kinds_[at(f)] = stage->kind;
       speed[at(f)] = stage->speed;
       turn[at(f)] = stage->turn;
       if (o_.one_stride) continue;
-      if ((o_.from_stand && t < 0) || (o_.to_stand && t > end - closing)) speed[at(f)] = turn[at(f)] = 0;
+      if ((o_.from_stand && t < delay + 0.5 * unit) || (o_.to_stand && t > end - closing)) speed[at(f)] = turn[at(f)] = 0;
     }
     if (!o_.one_stride) {
-      // Acceleration of about 0.15 g for a human, Froude scaling for other sizes: a moving average over the time of the change
-      const double unit = std::sqrt(w_.hip_height / 0.9);
       for (int pass = 0; pass < 2; ++pass) {
-        smooth(speed, static_cast<int>(0.35 * unit * o_.rate));
-        smooth(turn, static_cast<int>(0.3 * unit * o_.rate));
+        smooth(speed, half);
+        smooth(turn, half);
       }
     }
     const double usual = 0.12 * std::sqrt(o_.gravity * w_.hip_height);
@@ -114,13 +115,13 @@ class Maker {
       b.moving = smooth_step(effective(b.speed, b.turn) / usual);
     }
     // Share of the kind of each frame, smooth over a stride: transitions interpolate the table.
-    const int half = static_cast<int>(0.6 * pattern(final.kind, final.speed).stride_time * o_.rate);
+    const int mix = static_cast<int>(0.6 * pattern(final.kind, final.speed).stride_time * o_.rate);
     for (int k = 0; k < kind_count; ++k) {
       std::vector<double> share(at(n));
       for (int f = 0; f < n; ++f) share[at(f)] = kinds_[at(f)] == static_cast<GaitKind>(k) ? 1 : 0;
       if (std::ranges::max(share) > 0 && !o_.one_stride) {
-        smooth(share, half);
-        smooth(share, half);
+        smooth(share, mix);
+        smooth(share, mix);
       }
       shares_.push_back(std::move(share));
     }
@@ -193,7 +194,7 @@ class Maker {
 
   /// Clock at which all feet stand, in the middle of the longest such interval.
   [[nodiscard]] static double start_phase(const std::vector<double>& offsets, double duty) {
-    double best = 0, most = -1;
+    double best = 0, max_margin = -1;
     for (int i = 0; i < 200; ++i) {
       const double c = i / 200.0;
       double margin = 1;
@@ -201,8 +202,8 @@ class Maker {
         const double s = fraction(c - o);
         margin = std::min({margin, duty - s, s});
       }
-      if (margin > most) {
-        most = margin;
+      if (margin > max_margin) {
+        max_margin = margin;
         best = c;
       }
     }

@@ -48,7 +48,7 @@ Roll roll_of(const Walker& w, const GaitOptions& o, const CourseFrame& b) {
     const double walk = std::min(1.12, pow(std::max(V, 1e-3) / 0.42, 0.6)) * size, run = b.run;
     // Backwards, and in steps on the spot, the foot lands flat.
     const double ahead = b.speed > 0 ? 1 : 0.3;
-    r.strike = ahead * degree * ((1 - run) * -21 * walk + run * -5 * size);
+    r.strike = ahead * degree * ((1 - run) * -21 * walk + run * -1 * size);
     r.lift = ahead * degree * ((1 - run) * 55 * walk + run * 52 * size);
     r.passing = degree * ((1 - run) * 7 * walk + run * 38 * size);
     r.rate = degree * ((1 - run) * -95 * walk + run * -110 * size);
@@ -119,6 +119,7 @@ FootPose foot_pose(const Walker& w, const GaitOptions& o, const Course& course, 
   if (now.stands) {
     const double a = stance_pitch(roll, now.share);
     out.X_WF = standing_foot(leg, from, a);
+    out.pivot = a > 0 ? leg.toe : a < 0 ? leg.heel : leg.sole;
     out.toes = -toe_bend * std::max(0.0, a);
     if (roll.strike < 0 && now.share < roll.flat_from) out.toes += -8 * degree * body.moving * (1 - smooth_step(now.share / roll.flat_from));
     const Mat3 G = ground_axes(from);
@@ -126,9 +127,9 @@ FootPose foot_pose(const Walker& w, const GaitOptions& o, const Course& course, 
     double x = 0;
     if (!leg.point_foot && w.biped) {
       // The pressure moves from the heel to the toes; while the body stands it is in the middle.
-      const double late = 0.52 + 0.05 * body.run;  // share of the stance at which the pressure arrives at the toes
-      const double u = smooth_step((now.share - 0.5 * roll.flat_from) / (late - 0.5 * roll.flat_from));
-      x = body.moving * (0.85 * heel + (0.92 * toe - 0.85 * heel) * u);
+      const double u = smooth_step((now.share - 0.5 * roll.flat_from) / (0.52 - 0.5 * roll.flat_from));
+      // In a run the ball of the foot bears most of the load.
+      x = body.moving * ((1 - body.run) * (0.85 * heel + (0.92 * toe - 0.85 * heel) * u) + body.run * 0.6 * toe);
     }
     out.pressure = from.place + G * Vec3{x, 0, 0};
     return out;

@@ -96,7 +96,6 @@ class Generator {
         const double ratio = step / (0.733 * leg);
         const double size = 0.5 * 0.046 * leg / 0.9 * std::min(1.4, ratio * ratio) * b.moving * (1 - b.run) * o_.style.bounce;
         z += size * (cos(4 * pi * (phase_of(left) - 0.5 * left.duty + 0.035)) - 1);
-        z -= 0.03 * leg * b.run * b.moving;
       } else {
         z -= 0.02 * leg * b.moving;
       }
@@ -186,16 +185,16 @@ class Generator {
     int half = 1;
     for (int f = course_.first; f <= course_.last; ++f)
       half = std::max(half, static_cast<int>(0.55 * course_.body[at(f)].stride_time * o_.rate));
-    std::vector<double> total(at(n)), most(at(n));
+    std::vector<double> total(at(n)), max_total(at(n));
     for (int f = 0; f < n; ++f) total[at(f)] = std::max(0.0, lower_[at(f)] + excess[at(f)]);
     // A sliding maximum; its window is larger than that of the averages that follow, which therefore stay above every value.
     for (int f = 0; f < n; ++f) {
       double m = 0;
       for (int k = std::max(0, f - half); k <= std::min(n - 1, f + half); ++k) m = std::max(m, total[at(k)]);
-      most[at(f)] = m;
+      max_total[at(f)] = m;
     }
-    for (int pass = 0; pass < 3; ++pass) most = averaged(most, half / 3);
-    lower_ = std::move(most);
+    for (int pass = 0; pass < 3; ++pass) max_total = averaged(max_total, half / 3);
+    lower_ = std::move(max_total);
     for (int f = course_.first; f <= course_.last; ++f) report_.max_lowering = std::max(report_.max_lowering, lower_[at(f)]);
   }
 
@@ -331,7 +330,7 @@ Error check(const Walker& w, const GaitOptions& o) {
       e.add(ErrorCode::range, where, "Time, speed or turn rate is out of range.", "Use finite numbers, and a turn rate up to 10 rad/s.");
     else if (std::fabs(s.speed) > 6 * unit)
       e.add(ErrorCode::range, where, "The speed " + to_text(s.speed) + " m/s is too high for legs of " + to_fixed(w.hip_height, 2) + " m.",
-            "Use at most " + to_fixed(6 * unit, 1) + " m/s.");
+            "Use at max_total " + to_fixed(6 * unit, 1) + " m/s.");
     const std::vector<GaitKind> kinds = kinds_for(static_cast<int>(w.legs.size()));
     if (std::ranges::find(kinds, s.kind) == kinds.end()) {
       std::string names;

@@ -74,7 +74,7 @@ std::vector<std::string_view> style_names() {
 
 std::vector<GaitKind> kinds_for(int legs) {
   using enum GaitKind;
-  if (legs == 2) return {walk, run};
+  if (legs == 2) return {walk};
   if (legs == 4) return {walk, run, trot, pace, canter, gallop, rotary, bound, pronk};
   return {walk, run, trot};
 }
@@ -82,7 +82,7 @@ std::vector<GaitKind> kinds_for(int legs) {
 Pattern pattern_of(GaitKind kind, const std::vector<LegPlace>& legs, double leg_length, double speed, double gravity) {
   const double l = leg_length, unit = std::sqrt(gravity * l), V = std::fabs(speed) / unit;
   // Below the first speed a gait keeps its cadence, so that a character that starts, stops or turns on the spot steps at a natural rate.
-  const double slow = std::max(V, kind == GaitKind::walk ? 0.15 : 0.5);
+  const double slow = std::max(V, kind == GaitKind::walk ? 0.22 : 0.5);
   Pattern out;
   const auto stride_of = [&](double stride_per_l) { out.stride_time = stride_per_l * l / (slow * unit); };
   if (legs.size() == 2) {

@@ -195,7 +195,16 @@ double Poser::pose(int frame, const Vec3& centre, double pitch, const Swing& swi
       for (const int i : leg.chain) solver_.place(i, q.data(), X_);
       if (leg.limb >= 0) bend_leg(leg, feet_[k].X_WF, q);
       miss = std::max(miss, solver_.solve(leg.chain, goal, q.data(), X_));
-      if (free) {
+      // The paw may not reach its orientation; then the leg moves until the point on which it stands is at its place.
+      const int corrections = !free ? 0 : course_.legs[k][at(frame)].stands ? 4 : 1;
+      for (int i = 0; i < corrections; ++i) {
+        if (i > 0) {
+          const Vec3 missing = feet_[k].X_WF * feet_[k].pivot - X_[at(leg.link)] * feet_[k].pivot;
+          if (norm(missing) < 1e-5) break;
+          goal.target += missing;
+          goal.iterations = 6;
+          solver_.solve(leg.chain, goal, q.data(), X_);
+        }
         solver_.place(leg.link, q.data(), X_);
         solver_.orient(leg.link, feet_[k].X_WF.R, q.data(), X_);
         solver_.place(leg.link, q.data(), X_);
@@ -216,7 +225,7 @@ double Poser::excess(int frame) const {
   for (std::size_t k = 0; k < w_.legs.size(); ++k) {
     const WalkerLeg& leg = w_.legs[k];
     const LegFrame& state = course_.legs[k][at(frame)];
-    if (!state.stands && state.share > 0.15 && state.share < 0.985) continue;  // a swing leg may be a little short of its path
+    if (!state.stands && state.share > 0.03 && state.share < 0.985) continue;  // a swing leg may be a little short of its path
     const Vec3 hip = X_[at(leg.hip)].p, foot = feet_[k].X_WF * leg.point;
     const double across = std::hypot(foot.x - hip.x, foot.y - hip.y), length = stretch * leg.length;
     const double reach = std::sqrt(std::max(0.0, length * length - across * across));
