@@ -69,6 +69,7 @@ int main(int argc, char** argv) {
   add_bake_verb(app, action);
   add_judge_verb(app, action);
   add_correct_verb(app, action);
+  add_gait_verb(app, action);
   add_lsi_verb(app, action);
   add_circuit_verb(app, action);
   add_mechanism_verb(app, action);

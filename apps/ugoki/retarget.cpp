@@ -8,11 +8,10 @@
 #include "output.h"
 #include "output_files.h"
 #include "sources.h"
+#include "target_body.h"
 #include "ugoki/base/number.h"
 #include "ugoki/files/files.h"
 #include "ugoki/formats/mechanism_json.h"
-#include "ugoki/mechanism_edit/cut.h"
-#include "ugoki/samples/samples.h"
 #include "verb.h"
 
 namespace ugoki::cli {
@@ -24,47 +23,6 @@ struct Options {
   bool free_feet = false, free_hands = false, balance = false, slow = false, strict = false, json = false;
   SourceOptions source;
 };
-
-/// Removes links that are not part of the robot: descriptions may contain the floor and other objects fixed to the world.
-Result<MechanismPtr> without_surroundings(MechanismPtr mechanism) {
-  if (mechanism->link(0).joint.type == JointType::floating) return mechanism;
-  for (const Link& link : mechanism->links())
-    if (link.parent < 0 && link.joint.type == JointType::floating) {
-      Result<Edited> part = cut(*mechanism, link.name, {.keep = Keep::part});
-      if (!part) return fail(std::move(part.error()));
-      return part->mechanism;
-    }
-  return mechanism;
-}
-
-/// Loads the target mechanism: from a mechanism file, an entry of the library (mechanism, or motion with its mechanism), the sample "dog"
-/// or "human", or the body made for a measured file.
-Result<MechanismPtr> load_target(const Options& o) {
-  if (o.height > 0) return samples::make_person(o.height);
-  if (o.to == "dog") return samples::make_dog();
-  if (o.to == "human") return samples::make_person(1.75);
-  const Result<TargetKind> kind = kind_of(o.to);
-  if (!kind) return fail(kind.error());
-  if (*kind == TargetKind::mechanism_file) {
-    SourceOptions source = o.source;
-    if (source.robot.base.empty()) source.robot.base = "floating";  // a walking robot has a floating base
-    Result<intake::Intake> loaded = take_in_file(o.to, source);
-    if (!loaded) return fail(std::move(loaded.error()));
-    return without_surroundings(loaded->mechanism);
-  }
-  if (*kind == TargetKind::entry) {
-    const Result<store::Library> library = library_of(o.to, o.source);
-    if (!library) return fail(library.error());
-    if (const Result<store::LibraryEntry> entry = library->resolve(o.to, "mechanism")) {
-      const Result<std::vector<std::byte>> data = library->data(entry->id);
-      if (!data) return fail(data.error());
-      return formats::read_mechanism({reinterpret_cast<const char*>(data->data()), data->size()}, "library entry " + entry->id);
-    }
-  }
-  Result<ClipSource> clip = load_clip(o.to, o.source);
-  if (!clip) return fail(std::move(clip.error()));
-  return clip->mechanism;
-}
 
 Result<retarget::RetargetOptions> retarget_options(const Options& o) {
   retarget::RetargetOptions out;
@@ -113,7 +71,7 @@ int run_retarget(const Options& o) {
     return print_error(may.error(), o.json);
   const Result<ClipSource> clip = load_clip(o.motion, o.source);
   if (!clip) return print_error(clip.error(), o.json);
-  const Result<MechanismPtr> target = load_target(o);
+  const Result<MechanismPtr> target = load_body(o.to, o.height, o.source);
   if (!target) return print_error(target.error(), o.json);
   const Result<retarget::RetargetOptions> options = retarget_options(o);
   if (!options) return print_error(options.error(), o.json);

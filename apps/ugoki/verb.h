@@ -21,6 +21,7 @@ void add_export_verb(CLI::App& app, Action& action);
 void add_bake_verb(CLI::App& app, Action& action);
 void add_judge_verb(CLI::App& app, Action& action);
 void add_correct_verb(CLI::App& app, Action& action);
+void add_gait_verb(CLI::App& app, Action& action);
 void add_lsi_verb(CLI::App& app, Action& action);
 void add_circuit_verb(CLI::App& app, Action& action);
 void add_mechanism_verb(CLI::App& app, Action& action);

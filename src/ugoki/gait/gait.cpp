@@ -1,0 +1,389 @@
+#include "ugoki/gait/gait.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/base/number.h"
+#include "ugoki/dynamics/centroidal.h"
+#include "ugoki/dynamics/dynamics.h"
+#include "ugoki/gait/centre.h"
+#include "ugoki/gait/posture.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/spatial/elementary.h"
+
+namespace ugoki::gait {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+constexpr int rounds = 4;  // of centre of mass, postures, and angular momentum of these postures
+
+/// Centred moving average.
+template <class T>
+std::vector<T> averaged(const std::vector<T>& x, int half) {
+  const int n = static_cast<int>(x.size());
+  std::vector<T> sum(at(n + 1)), out(at(n));
+  for (int i = 0; i < n; ++i) sum[at(i + 1)] = sum[at(i)] + x[at(i)];
+  for (int i = 0; i < n; ++i) {
+    const int h = std::min({half, i, n - 1 - i});
+    out[at(i)] = (sum[at(i + h + 1)] - sum[at(i - h)]) * (1.0 / (2 * h + 1));
+  }
+  return out;
+}
+
+class Generator {
+ public:
+  Generator(const Walker& w, const GaitOptions& o, GaitReport& report) : w_(w), o_(o), report_(report), course_(make_course(w, o)) {}
+
+  Motion run() {
+    const int n = course_.frames;
+    Poser poser(w_, o_, course_);
+    set_heights();
+    set_pressures();
+    std::vector<double> pitch(at(n));
+    std::vector<Vec3> moment(at(n));
+    lower_.assign(at(n), 0);
+    Swing swing;
+    const std::size_t nq = at(w_.mechanism->nq());
+    q_.assign(at(n) * nq, 0);
+    for (int f = 0; f < n; ++f) std::copy(w_.q_stand.begin(), w_.q_stand.end(), q_.begin() + static_cast<std::ptrdiff_t>(at(f) * nq));
+    for (int round = 0; round < rounds; ++round) {
+      solve_path(moment, round == 0);
+      if (round == 0) set_pitch(pitch);
+      double miss = 0;
+      std::vector<double> excess(at(n));
+      for (int f = 0; f < n; ++f) {
+        std::span<double> q(q_.data() + at(f) * nq, nq);
+        const double own = poser.pose(f, centre_[at(f)], pitch[at(f)], swing, q);
+        if (f >= course_.first && f <= course_.last) miss = std::max(miss, own);
+        excess[at(f)] = poser.excess(f);
+      }
+      report_.max_miss = miss;
+      if (round + 1 < rounds) {
+        lower_for_reach(excess);
+        measure(moment, poser.arms(), swing);
+      }
+    }
+    return take();
+  }
+
+ private:
+  /// Load of each frame and the height of the centre of mass before it is lowered for the reach of the legs.
+  void set_heights() {
+    const int n = course_.frames;
+    load_.resize(at(n));
+    height_.resize(at(n));
+    std::vector<double> a(at(n));
+    double time = 1;
+    for (int f = 0; f < n; ++f) {
+      const CourseFrame& b = course_.body[at(f)];
+      double sum = 0, mean = 0;
+      for (const std::vector<LegFrame>& leg : course_.legs) {
+        sum += leg[at(f)].load;
+        mean += leg[at(f)].duty * 0.5;  // loads rise and fall over half of the stance
+      }
+      const double walk = w_.biped ? 1 - b.run : 0;
+      a[at(f)] = o_.gravity * b.moving * (1 - walk) * (sum / std::max(mean, 1e-6) - 1);
+      time = b.stride_time;
+    }
+    // The stride time of the last frame decides the slowest frequency that counts as movement of the gait.
+    const std::vector<double> bob = integrate_twice(a, 0.15 * 2 * pi / time, o_.rate);
+    for (int f = 0; f < n; ++f) {
+      const CourseFrame& b = course_.body[at(f)];
+      const double step = 0.5 * std::fabs(b.speed) * b.stride_time, leg = w_.hip_height;
+      double z = w_.centre_height - o_.style.crouch * leg + b.ground + bob[at(f)] * o_.style.bounce;
+      if (w_.biped) {
+        const LegFrame& left = course_.legs[0][at(f)];
+        const double ratio = step / (0.733 * leg);
+        const double size = 0.5 * 0.046 * leg / 0.9 * std::min(1.4, ratio * ratio) * b.moving * (1 - b.run) * o_.style.bounce;
+        z += size * (cos(4 * pi * (phase_of(left) - 0.5 * left.duty + 0.035)) - 1);
+      } else {
+        z -= 0.02 * leg * b.moving;
+      }
+      height_[at(f)] = z;
+    }
+  }
+
+  /// Centre of pressure in every frame: the mean of the feet, weighted by their loads.
+  void set_pressures() {
+    const int n = course_.frames;
+    pressure_.resize(at(n));
+    // Share of each leg, so that the mean pressure is below the centre of mass of the standing body
+    double mean = 0, square = 0;
+    for (const WalkerLeg& leg : w_.legs) mean += leg.home.x / static_cast<double>(w_.legs.size());
+    for (const WalkerLeg& leg : w_.legs) square += (leg.home.x - mean) * (leg.home.x - mean) / static_cast<double>(w_.legs.size());
+    flight_.assign(at(n), 0);
+    for (int f = 0; f < n; ++f) {
+      const CourseFrame& b = course_.body[at(f)];
+      Vec3 sum;
+      double weight = 0;
+      for (std::size_t k = 0; k < w_.legs.size(); ++k) {
+        const LegFrame& leg = course_.legs[k][at(f)];
+        if (!leg.stands) continue;
+        double own = b.moving * leg.load + (1 - b.moving);
+        if (!w_.biped && square > 1e-9) own *= std::max(0.2, 1 - mean * (w_.legs[k].home.x - mean) / square);
+        const FootPose foot = foot_pose(w_, o_, course_, k, f);
+        sum += foot.pressure * own;
+        weight += own;
+      }
+      if (weight > 0)
+        pressure_[at(f)] = sum / weight;
+      else
+        flight_[at(f)] = 1;
+      if (weight <= 0 && f > 0) pressure_[at(f)] = pressure_[at(f - 1)];
+    }
+  }
+
+  /// Trajectory of the centre of mass.
+  void solve_path(const std::vector<Vec3>& moment, bool first) {
+    const int n = course_.frames;
+    std::vector<double> z(at(n));
+    for (int f = 0; f < n; ++f) z[at(f)] = height_[at(f)] - lower_[at(f)];
+    frames_.resize(at(n));
+    for (int f = 0; f < n; ++f) {
+      CentreFrame& c = frames_[at(f)];
+      const int i = std::clamp(f, 1, n - 2);
+      const double up = (z[at(i - 1)] - 2 * z[at(i)] + z[at(i + 1)]) * o_.rate * o_.rate;
+      c.pressure = pressure_[at(f)];
+      c.load = flight_[at(f)] ? 0 : std::max(0.0, o_.gravity + up);
+      c.height = std::max(0.2 * w_.centre_height, z[at(f)] - c.pressure.z);
+      c.moment = flight_[at(f)] ? Vec3{} : moment[at(f)];
+      c.share = first ? 1 - 0.85 * course_.body[at(f)].spring : 1;
+    }
+    centre_ = solve_centre(frames_, o_.rate);
+    for (int f = 0; f < n; ++f) centre_[at(f)].z = z[at(f)];
+  }
+
+  /// Pitch of the trunk in gallops: the moment of the ground forces that do not point to the centre of mass.
+  void set_pitch(std::vector<double>& pitch) {
+    const int n = course_.frames;
+    std::vector<double> a(at(n));
+    double spring = 0;
+    const double inertia = trunk_inertia();
+    for (int f = 0; f < n; ++f) {
+      const CentreFrame& c = frames_[at(f)];
+      const Vec3 arm = centre_[at(f)] - c.pressure;
+      const SinCos h = sin_cos(course_.body[at(f)].heading);
+      a[at(f)] = (1 - c.share) * c.load * (h.cos * arm.x + h.sin * arm.y) / inertia;
+      spring = std::max(spring, course_.body[at(f)].spring);
+    }
+    if (spring <= 0) return;
+    pitch = integrate_twice(a, 0.25 * 2 * pi / course_.body[at(course_.last)].stride_time, o_.rate);
+  }
+
+  /// Moment of inertia about the lateral axis divided by the mass, m^2, of the standing body.
+  [[nodiscard]] double trunk_inertia() const {
+    dynamics::Workspace ws(*w_.mechanism);
+    const std::vector<double> v(at(w_.mechanism->nv()));
+    dynamics::update_kinematics(*w_.mechanism, w_.q_stand, v, ws);
+    const dynamics::Centroidal c = dynamics::calc_centroidal(*w_.mechanism, ws);
+    return std::max(1e-6, c.inertia.yy / std::max(1e-9, c.mass));
+  }
+
+  /// Lowers the body smoothly where a leg is too long. The body stays low over a stride, so that it does not bounce.
+  void lower_for_reach(const std::vector<double>& excess) {
+    const int n = course_.frames;
+    int half = 1;
+    for (int f = course_.first; f <= course_.last; ++f)
+      half = std::max(half, static_cast<int>(0.55 * course_.body[at(f)].stride_time * o_.rate));
+    std::vector<double> total(at(n)), max_total(at(n));
+    for (int f = 0; f < n; ++f) total[at(f)] = std::max(0.0, lower_[at(f)] + excess[at(f)]);
+    // A sliding maximum; its window is larger than that of the averages that follow, which therefore stay above every value.
+    for (int f = 0; f < n; ++f) {
+      double m = 0;
+      for (int k = std::max(0, f - half); k <= std::min(n - 1, f + half); ++k) m = std::max(m, total[at(k)]);
+      max_total[at(f)] = m;
+    }
+    for (int pass = 0; pass < 3; ++pass) max_total = averaged(max_total, half / 3);
+    lower_ = std::move(max_total);
+    for (int f = course_.first; f <= course_.last; ++f) report_.max_lowering = std::max(report_.max_lowering, lower_[at(f)]);
+  }
+
+  /// Measures the rate of the angular momentum of the postures, and adapts the swing of the arms so that it cancels the angular momentum
+  /// about the vertical axis.
+  void measure(std::vector<Vec3>& moment, std::span<const int> arms, Swing& swing) {
+    const Mechanism& m = *w_.mechanism;
+    const int n = course_.frames;
+    const std::size_t nq = at(m.nq());
+    std::vector<Vec3> spin(at(n));
+    std::vector<double> v(at(m.nv()));
+    dynamics::Workspace ws(m);
+    double with_arms = 0, arms_square = 0;
+    for (int f = 0; f < n; ++f) {
+      const int a = std::max(0, f - 1), b = std::min(n - 1, f + 1);
+      difference(m, {q_.data() + at(a) * nq, nq}, {q_.data() + at(b) * nq, nq}, v);
+      for (double& x : v) x *= o_.rate / (b - a);
+      dynamics::update_kinematics(m, {q_.data() + at(f) * nq, nq}, v, ws);
+      const dynamics::Centroidal c = dynamics::calc_centroidal(m, ws);
+      spin[at(f)] = c.momentum.w / c.mass;
+      if (arms.empty() || f < course_.first || f > course_.last) continue;
+      double own = 0;  // about the vertical axis, relative to a body that moves like the trunk
+      for (const int i : arms) {
+        const Vec6 h = ws.X_WB[at(i)].force_to_parent(m.link(i).inertia * ws.V[at(i)]);
+        const double mass = m.link(i).inertia.mass;
+        own += (h.w - cross(c.centre, h.v)).z - mass * cross(ws.X_WB[at(i)] * m.link(i).inertia.centre() - c.centre, c.velocity).z;
+      }
+      own /= c.mass;
+      const double turn = course_.body[at(f)].turn * (c.inertia.zz / c.mass);
+      with_arms += (spin[at(f)].z - turn) * own;
+      arms_square += own * own;
+    }
+    if (arms_square > 1e-12) swing.arms = std::clamp(swing.arms * (1 - with_arms / arms_square), 0.4, 1.6);
+    for (int f = 0; f < n; ++f) {
+      const int a = std::max(0, f - 1), b = std::min(n - 1, f + 1);
+      moment[at(f)] = (spin[at(b)] - spin[at(a)]) * (o_.rate / (b - a));
+    }
+    for (int pass = 0; pass < 2; ++pass) moment = averaged(moment, static_cast<int>(0.02 * o_.rate));
+  }
+
+  Motion take() {
+    const Mechanism& m = *w_.mechanism;
+    const std::size_t nq = at(m.nq());
+    Motion out;
+    out.name = std::string(name_of(o_.stages.front().kind)) + " " + to_fixed(o_.stages.front().speed, 2) + " m/s";
+    out.source = "computed gait";
+    out.mechanism = m.name();
+    out.rate = o_.rate;
+    out.frames = course_.last - course_.first + 1;
+    out.nq = m.nq();
+    out.cyclic = o_.one_stride;
+    out.q.assign(q_.begin() + static_cast<std::ptrdiff_t>(at(course_.first) * nq), q_.begin() + static_cast<std::ptrdiff_t>(at(course_.last + 1) * nq));
+    keep_signs(out);
+    for (std::size_t k = 0; k < w_.legs.size(); ++k) {
+      ContactTrack track{m.link(w_.legs[k].link).name, {}};
+      for (int f = course_.first; f <= course_.last; ++f) track.on.push_back(course_.legs[k][at(f)].stands ? 1 : 0);
+      out.contacts.push_back(std::move(track));
+      report_.legs.push_back(m.link(w_.legs[k].link).name);
+      std::vector<FootStance>& list = report_.stances.emplace_back();
+      for (const Stance& s : course_.stances[k]) {
+        if (s.end < course_.first || s.begin > course_.last) continue;
+        list.push_back({(s.begin - course_.first) / o_.rate, (s.end - course_.first) / o_.rate, s.place, s.heading});
+      }
+    }
+    report_.stride_time = course_.body[at(course_.last)].stride_time;
+    report_.duty = course_.legs[0][at(course_.last)].duty;
+    report_.notes = w_.notes;
+    measure_pressure();
+    return out;
+  }
+
+  /// rms distance of the centre of pressure of the final postures from the planned one.
+  void measure_pressure() {
+    const Mechanism& m = *w_.mechanism;
+    const int n = course_.frames;
+    std::vector<Vec3> moment(at(n));
+    Swing unused;
+    measure(moment, {}, unused);
+    std::vector<Pose> X(at(m.link_count()));
+    std::vector<Vec3> c(at(n));
+    for (int f = 0; f < n; ++f) {
+      calc_poses(m, {q_.data() + at(f) * at(m.nq()), at(m.nq())}, X);
+      c[at(f)] = centre_of_mass(m, X);
+    }
+    double sum = 0, count = 0;
+    for (int f = course_.first + 1; f < course_.last; ++f) {
+      const Vec3 a = (c[at(f - 1)] - c[at(f)] * 2 + c[at(f + 1)]) * (o_.rate * o_.rate);
+      const double load = a.z + o_.gravity;
+      if (flight_[at(f)] || load < 0.3 * o_.gravity) continue;
+      const double h = c[at(f)].z - pressure_[at(f)].z;
+      const double x = c[at(f)].x - (h * a.x + moment[at(f)].y) / load - pressure_[at(f)].x;
+      const double y = c[at(f)].y - (h * a.y - moment[at(f)].x) / load - pressure_[at(f)].y;
+      sum += x * x + y * y;
+      count += 1;
+    }
+    report_.pressure_rms = count > 0 ? std::sqrt(sum / count) : 0;
+  }
+
+  /// Quaternions change continuously from frame to frame.
+  void keep_signs(Motion& motion) const {
+    for (const Link& link : w_.mechanism->links()) {
+      const int offset = link.joint.type == JointType::floating ? 3 : link.joint.type == JointType::spherical ? 0 : -1;
+      if (offset < 0) continue;
+      for (int f = 1; f < motion.frames; ++f) {
+        const double* a = motion.frame(f - 1) + link.q_index + offset;
+        double* b = motion.frame(f) + link.q_index + offset;
+        if (a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] < 0)
+          for (int k = 0; k < 4; ++k) b[k] = -b[k];
+      }
+    }
+  }
+
+  const Walker& w_;
+  const GaitOptions& o_;
+  GaitReport& report_;
+  Course course_;
+  std::vector<double> load_, height_, lower_;  // [frames]
+  std::vector<Vec3> pressure_, centre_;        // [frames]
+  std::vector<std::uint8_t> flight_;           // [frames]
+  std::vector<CentreFrame> frames_;
+  std::vector<double> q_;                      // [frames][nq]
+};
+
+/// Problems of the options.
+Error check(const Walker& w, const GaitOptions& o) {
+  Error e;
+  const std::string where = "gait";
+  if (o.stages.empty()) e.add(ErrorCode::range, where, "The gait has no stage.", "Give at least one stage.");
+  const auto finite = [](double x) { return std::isfinite(x); };
+  const double unit = std::sqrt(o.gravity * w.hip_height);
+  for (const GaitStage& s : o.stages) {
+    if (!finite(s.time) || !finite(s.speed) || !finite(s.turn) || std::fabs(s.turn) > 10)
+      e.add(ErrorCode::range, where, "Time, speed or turn rate is out of range.", "Use finite numbers, and a turn rate up to 10 rad/s.");
+    else if (std::fabs(s.speed) > 6 * unit)
+      e.add(ErrorCode::range, where, "The speed " + to_text(s.speed) + " m/s is too high for legs of " + to_fixed(w.hip_height, 2) + " m.",
+            "Use at max_total " + to_fixed(6 * unit, 1) + " m/s.");
+    const std::vector<GaitKind> kinds = kinds_for(static_cast<int>(w.legs.size()));
+    if (std::ranges::find(kinds, s.kind) == kinds.end()) {
+      std::string names;
+      for (const GaitKind k : kinds) names += (names.empty() ? "" : ", ") + std::string(name_of(k));
+      e.add(ErrorCode::range, where, "A mechanism with " + std::to_string(w.legs.size()) + " legs has no gait '" + std::string(name_of(s.kind)) + "'.",
+            "Use " + names + ".");
+    }
+  }
+  if (!o.one_stride && !(o.seconds > 0.05 && o.seconds <= 3600))
+    e.add(ErrorCode::range, where, "The duration is out of range.", "Use 0.05 to 3600 s.");
+  if (!(o.rate >= 20 && o.rate <= 1000)) e.add(ErrorCode::range, where, "The rate is out of range.", "Use 20 to 1000 frames per second.");
+  if (!(o.gravity > 0.1 && o.gravity < 100)) e.add(ErrorCode::range, where, "The gravity is out of range.", "Use 0.1 to 100 m/s^2.");
+  if (!(o.duty == 0 || (o.duty > 0.1 && o.duty < 0.95))) e.add(ErrorCode::range, where, "The duty factor is out of range.", "Use 0.1 to 0.95.");
+  if (!(o.step_height >= 0 && o.step_height < w.hip_height))
+    e.add(ErrorCode::range, where, "The height of the steps is out of range.", "Use less than the height of the hips.");
+  if (!(o.stride_time == 0 || (o.stride_time > 0.05 && o.stride_time < 20)))
+    e.add(ErrorCode::range, where, "The duration of a stride is out of range.", "Use 0.05 to 20 s.");
+  if (!o.phases.empty() && o.phases.size() != w.legs.size())
+    e.add(ErrorCode::range, where, "There are " + std::to_string(o.phases.size()) + " phases for " + std::to_string(w.legs.size()) + " legs.",
+          "Give one phase for each leg, in the order of the report.");
+  if (o.one_stride && !o.stages.empty() && o.stages.front().speed == 0 && o.stages.front().turn == 0)
+    e.add(ErrorCode::range, where, "One stride needs a speed or a turn rate.", "Give a speed other than 0.");
+  return e;
+}
+
+}  // namespace
+
+Result<double> usual_speed(const MechanismPtr& mechanism, GaitKind kind, double gravity) {
+  const Result<Walker> w = make_walker(mechanism);
+  if (!w) return fail(w.error());
+  const double unit = std::sqrt(gravity * w->hip_height);
+  switch (kind) {
+    case GaitKind::walk: return (w->legs.size() > 4 ? 0.25 : 0.42) * unit;
+    case GaitKind::run: return (w->biped ? 1.0 : w->legs.size() > 4 ? 0.5 : 0.9) * unit;
+    case GaitKind::trot:
+    case GaitKind::pace: return (w->legs.size() > 4 ? 0.5 : 0.9) * unit;
+    case GaitKind::canter:
+    case GaitKind::bound:
+    case GaitKind::pronk: return 1.4 * unit;
+    case GaitKind::gallop:
+    case GaitKind::rotary: return 2 * unit;
+  }
+  return unit;
+}
+
+Result<Motion> make_gait(const MechanismPtr& mechanism, const GaitOptions& options, GaitReport* report) {
+  Result<Walker> walker = make_walker(mechanism);
+  if (!walker) return fail(std::move(walker.error()));
+  if (Error wrong = check(*walker, options); !wrong.empty()) return fail(std::move(wrong));
+  GaitReport unused;
+  GaitReport& out = report ? *report : unused;
+  out = {};
+  return Generator(*walker, options, out).run();
+}
+
+}  // namespace ugoki::gait
