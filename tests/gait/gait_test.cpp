@@ -211,7 +211,7 @@ TEST(Gait, PathIsFollowed) {
   GaitOptions o;
   o.stages = {{0, GaitKind::walk, 1.2, 0}};
   o.path = {{0, 0, 0}, {3, 0, 0}, {5, 2, 0}, {5, 6, 0}};
-  o.seconds = 9;
+  o.seconds = 11;
   const Motion motion = make_gait(person(), o).value();
   const std::vector<std::vector<Pose>> X = poses_of(*person(), motion);
   const Vec3 end = X.back()[0].p;

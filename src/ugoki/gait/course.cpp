@@ -58,7 +58,7 @@ class Maker {
   [[nodiscard]] double effective(double speed, double turn) const {
     double width = 0;
     for (const WalkerLeg& leg : w_.legs) width = std::max(width, norm(leg.home));
-    return std::hypot(speed, turn * width);
+    return std::sqrt(speed * speed + turn * width * turn * width);
   }
 
   void set_times() {

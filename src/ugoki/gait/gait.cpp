@@ -330,7 +330,7 @@ Error check(const Walker& w, const GaitOptions& o) {
       e.add(ErrorCode::range, where, "Time, speed or turn rate is out of range.", "Use finite numbers, and a turn rate up to 10 rad/s.");
     else if (std::fabs(s.speed) > 6 * unit)
       e.add(ErrorCode::range, where, "The speed " + to_text(s.speed) + " m/s is too high for legs of " + to_fixed(w.hip_height, 2) + " m.",
-            "Use at max_total " + to_fixed(6 * unit, 1) + " m/s.");
+            "Use at most " + to_fixed(6 * unit, 1) + " m/s.");
     const std::vector<GaitKind> kinds = kinds_for(static_cast<int>(w.legs.size()));
     if (std::ranges::find(kinds, s.kind) == kinds.end()) {
       std::string names;

@@ -227,7 +227,7 @@ double Poser::excess(int frame) const {
     const LegFrame& state = course_.legs[k][at(frame)];
     if (!state.stands && state.share > 0.03 && state.share < 0.985) continue;  // a swing leg may be a little short of its path
     const Vec3 hip = X_[at(leg.hip)].p, foot = feet_[k].X_WF * leg.point;
-    const double across = std::hypot(foot.x - hip.x, foot.y - hip.y), length = stretch * leg.length;
+    const double across = norm(Vec3{foot.x - hip.x, foot.y - hip.y, 0}), length = stretch * leg.length;
     const double reach = std::sqrt(std::max(0.0, length * length - across * across));
     lower = std::max(lower, hip.z - foot.z - reach);
   }
