@@ -241,7 +241,7 @@ void standing_linkages(Table& table) {
     world::WorldState s(world);
     s.q(0)[2] = 0.01;
     stepper.load(s);
-    const int warm = n <= 100 ? 20 : 1, steps = n <= 100 ? 50 : 1;
+    constexpr int warm = 50, steps = 50;
     contact::StepReport report;
     for (int i = 0; i < warm; ++i) report = stepper.step({}, dt);
     double best = HUGE_VAL;

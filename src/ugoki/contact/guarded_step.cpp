@@ -187,7 +187,8 @@ StepReport GuardedStep::step_whole(std::span<StepSystem> systems, std::span<cons
   for (passes_ = 1;; ++passes_) {
     // New contacts with restitution are impacts: they need a complete step. Otherwise only the islands of new contacts are solved again.
     const auto added = std::span(contacts_).subspan(known);
-    repeated_ = passes_ > 1 && std::ranges::none_of(added, [](const collision::ContactPoint& c) { return c.restitution > 0; });
+    repeated_ = passes_ > 1 &&
+                std::ranges::none_of(added, [&](const collision::ContactPoint& c) { return c.restitution > 0 || !stepper_->can_add(c); });
     report = repeated_ ? stepper_->repeat(systems, contacts_, dt) : stepper_->step(systems, contacts_, dt, contacts.size());
     known = contacts_.size();
     if (report.status != StepStatus::ok) break;

@@ -45,6 +45,10 @@ struct RowBlock {
   double change;          ///< m/s: change of the block's velocity in the last sweep
 };
 
+/// Completes a block whose B is that of the rows alone: adds the compliance of a contact, and sets size and inverse.
+/// @param softness minimum of RowBlock::softness for contacts
+void finish_block(RowBlock& b, double softness);
+
 /// Entry e of the rows of a segment. @param y [length][4]
 inline const RowLanes& row_lanes(const double* y, int e) { return *reinterpret_cast<const RowLanes*>(y + 4 * e); }
 inline RowLanes& row_lanes(double* y, int e) { return *reinterpret_cast<RowLanes*>(y + 4 * e); }

@@ -11,6 +11,8 @@ namespace {
 
 // m: tolerated position error of one step in a large heap; SolverOptions::coarse is this distance / dt.
 constexpr double coarse_distance = 1e-4;
+// DOFs of a system above which TreeIsland does not hand the system over, because the cost of its whitened rows grows with the cube.
+constexpr std::size_t max_handed_over = 256;
 
 /// m: radius of a body whose only colliding shape is round, so that it can roll; 0 for every other body.
 double rolling_radius(const Link& link) {
@@ -86,6 +88,7 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
     if (std::ranges::any_of(m.loops(), &Loop::closed)) {
       x.loops = std::make_unique<SystemScratch::Loops>(m);
     }
+    if (m.nv() >= options_.min_tree_dofs && TreeIsland::can_treat(m)) x.tree = std::make_unique<TreeIsland>(m);
     for (std::size_t k = 0; k < n; ++k) x.contiguous_chain.push_back(ws.depth[k] == static_cast<int>(k) ? 1 : 0);
   }
   solver_.set_systems(first);
@@ -106,10 +109,82 @@ void Stepper::set_executor(Executor* executor) {
   solver_.set_executor(executor_);
 }
 
-/// Adds the velocity changes of the solver's impulses to free_v.
-void Stepper::add_impulses() {
-  if (solver_.blocks().empty()) return;
-  for_each_system([&](std::size_t s) { scratch_[s].factor.add_whitened(solver_.w(static_cast<int>(s)), scratch_[s].free_v); });
+/// Chooses for each system how its rows are solved: by TreeIsland or by whitened rows (velocity_solver.h).
+void Stepper::choose_methods(std::span<const collision::ContactPoint> contacts) {
+  for (SystemScratch& x : scratch_) x.by_tree = x.tree && !x.gripped;
+  std::vector<double>& work = tree_work_;
+  work.assign(scratch_.size(), 0.0);
+  for (const collision::ContactPoint& c : contacts) {
+    const bool moves_a = is_movable(c.system_a, c.link_a), moves_b = is_movable(c.system_b, c.link_b);
+    if (moves_a && moves_b)
+      for (const int s : {c.system_a, c.system_b}) scratch_[static_cast<std::size_t>(s)].by_tree = false;
+    else if (moves_a || moves_b) {
+      const int s = moves_a ? c.system_a : c.system_b, link = moves_a ? c.link_a : c.link_b;
+      const dynamics::Workspace& ws = workspaces_[static_cast<std::size_t>(s)];
+      const double length = ws.depth[static_cast<std::size_t>(ws.link_chain[static_cast<std::size_t>(link)])] + 1;
+      work[static_cast<std::size_t>(s)] += length * length;
+    }
+  }
+  for (std::size_t s = 0; s < scratch_.size(); ++s) {
+    SystemScratch& x = scratch_[s];
+    if (!x.loops && work[s] < options_.min_tree_work * static_cast<double>(x.v.size())) x.by_tree = false;
+    if (!x.by_tree && !x.v.empty() && workspaces_[s].chain.empty()) workspaces_[s].make_rows(*mechanisms_[s]);
+  }
+}
+
+/// Lets the velocity solver solve the systems that TreeIsland did not finish, if they are small. @return whether there are any
+bool Stepper::hand_over() {
+  bool any = false;
+  for (std::size_t s = 0; s < scratch_.size(); ++s) {
+    SystemScratch& x = scratch_[s];
+    if (!x.by_tree || x.tree_report.not_converged == 0 || x.v.size() > max_handed_over) continue;
+    x.by_tree = false;
+    any = true;
+    ++handed_over_;
+    if (workspaces_[s].chain.empty()) workspaces_[s].make_rows(*mechanisms_[s]);
+  }
+  return any;
+}
+
+bool Stepper::is_movable(int system, int link) const {
+  return system >= 0 && workspaces_[static_cast<std::size_t>(system)].link_chain[static_cast<std::size_t>(link)] >= 0;
+}
+
+bool Stepper::can_add(const collision::ContactPoint& c) const {
+  if (!is_movable(c.system_a, c.link_a) || !is_movable(c.system_b, c.link_b)) return true;
+  return !scratch_[static_cast<std::size_t>(c.system_a)].by_tree && !scratch_[static_cast<std::size_t>(c.system_b)].by_tree;
+}
+
+/// Solves the rows of all systems, or after repeat() those of islands with new blocks, and adds the velocity changes to free_v.
+SolverReport Stepper::solve_rows(const SolverOptions& options, std::size_t first_new, bool again) {
+  SolverReport report = again ? solver_.solve_again(options, first_new) : solver_.solve(options);
+  const bool rows = !solver_.blocks().empty();
+  for_each_system([&](std::size_t s) {
+    SystemScratch& x = scratch_[s];
+    if (!x.by_tree) {
+      if (rows) x.factor.add_whitened(solver_.w(static_cast<int>(s)), x.free_v);
+      return;
+    }
+    x.tree_solved = !again || x.tree->blocks().size() > x.tree_blocks;
+    x.tree_blocks = x.tree->blocks().size();
+    if (x.tree_solved) {
+      x.tree_report = {};
+      x.tree->solve(*mechanisms_[s], workspaces_[s], options, x.tree_report);
+    }
+    if (x.tree->blocks().empty()) x.tree_report = {};
+    const std::span<const double> change = x.tree->change();
+    for (std::size_t i = 0; i < change.size(); ++i) x.free_v[i] += change[i];
+  });
+  for (const SystemScratch& x : scratch_) {
+    if (!x.by_tree) continue;
+    report.not_converged += x.tree_report.not_converged;
+    if (!x.tree_solved) continue;
+    report.islands += x.tree_report.islands;
+    report.sweeps = std::max(report.sweeps, x.tree_report.sweeps);
+    report.newton_steps += x.tree_report.newton_steps;
+    report.residual = std::max(report.residual, x.tree_report.residual);
+  }
+  return report;
 }
 
 /// Computes collisions with restitution and changes the velocities by eqs. (18) (19) of the paper.
@@ -160,6 +235,8 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
         scratch_[s].inertial && !scratch_[s].gripped && scratch_[s].inertial->turn(systems[s].v, dt) > InertialMotion::threshold;
     dynamics::update_kinematics(*mechanisms_[s], systems[s].q, scratch_[s].v, workspaces_[s]);
   });
+  choose_methods(contacts);
+  handed_over_ = 0;
   find_impacts(systems, contacts, dt, report);
   SolverReport solved;
   for (bool solve = true; solve && report.status == StepStatus::ok;) {
@@ -179,14 +256,11 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
     for (std::size_t i = 0; i < contacts.size(); ++i) add_contact(static_cast<int>(i), contacts[i], dt, i >= forced);
     if (!grips_.empty()) predict_grips(systems, dt);
     for (const Grip& g : grips_) add_grip(g, dt);
-    const std::size_t before = solver_.blocks().size();
-    for (std::size_t s = 0; s < systems.size(); ++s) add_joint_rows(s, dt);
-    report.limits = static_cast<int>(solver_.blocks().size() - before);
-    solved = solver_.solve(solver_options(dt, forced < contacts.size()));
-    add_impulses();
+    for (std::size_t s = 0; s < systems.size(); ++s) report.limits += add_joint_rows(s, dt);
+    solved = solve_rows(solver_options(dt, forced < contacts.size()), 0, false);
     // An open system that becomes fast in this step is solved again, with its velocity-dependent forces left to InertialMotion. A closed
     // one is not: with a second solution the energy of a falling cassie_v2 rises by its weight times 2 m (FallingRobots tests).
-    solve = false;
+    solve = hand_over();
     for (SystemScratch& x : scratch_)
       if (x.inertial && !x.loops && !x.gripped && !x.is_inertial && x.inertial->turn(x.free_v, dt) > InertialMotion::threshold)
         solve = x.is_inertial = true;
@@ -205,18 +279,23 @@ StepReport Stepper::repeat(std::span<StepSystem> systems, std::span<const collis
   frames_.resize(3 * contacts.size());
   for (SystemScratch& x : scratch_) x.free_v = x.unforced;
   for (std::size_t i = given; i < contacts.size(); ++i) add_contact(static_cast<int>(i), contacts[i], dt, true);
-  const SolverReport solved = solver_.solve_again(solver_options(dt, true), first);
-  add_impulses();
+  const SolverReport solved = solve_rows(solver_options(dt, true), first, true);
   return finish(systems, contacts, dt, solved, first_report_);
 }
 
 /// Computes the new velocities, contact forces and positions from the solver's impulses.
 StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt,
                            const SolverReport& solved, StepReport report) {
-  for (const RowBlock& b : solver_.blocks()) report.contacts += b.kind == RowKind::contact ? 1 : 0;
+  const auto for_each_block = [&](const auto& visit) {
+    for (const RowBlock& b : solver_.blocks()) visit(b, solver_.impulses(b));
+    for (const SystemScratch& x : scratch_)
+      if (x.by_tree)
+        for (const RowBlock& b : x.tree->blocks()) visit(b, x.tree->impulses(b));
+  };
+  for_each_block([&](const RowBlock& b, std::span<const double>) { report.contacts += b.kind == RowKind::contact ? 1 : 0; });
   report.sweeps = solved.sweeps;
   report.newton_steps = solved.newton_steps;
-  report.handed_over = solved.handed_over;
+  report.handed_over = solved.handed_over + handed_over_;
   report.islands = solved.islands;
   report.not_converged = solved.not_converged;
   report.residual = solved.residual;
@@ -233,17 +312,16 @@ StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collis
   }
   warm_.clear();
   for (std::size_t i = 0; i < contacts.size(); ++i) forces_[i] = contacts[i].n * (impact_impulses_[i] / dt);
-  for (const RowBlock& b : solver_.blocks()) {
-    const std::span<const double> p = solver_.impulses(b);
+  for_each_block([&](const RowBlock& b, std::span<const double> p) {
     if (b.kind != RowKind::contact) {
       warm_.add({b.key, {p[0], b.rows == 3 ? p[1] : 0, b.rows == 3 ? p[2] : 0}});
-      continue;
+      return;
     }
     const Vec3* frame = frames_.data() + 3 * b.contact;
     const Vec3 impulse = frame[0] * p[0] + frame[1] * p[1] + frame[2] * p[2];
     warm_.add({b.key, {impulse.x, impulse.y, impulse.z}});
     forces_[static_cast<std::size_t>(b.contact)] += impulse / dt;
-  }
+  });
   warm_.make_index();
   if (!grips_.empty()) take_grip_forces(dt);
   for_each_system([&](std::size_t s) {
@@ -286,8 +364,14 @@ void Stepper::set_loop_memory(int system, const LoopMemory& memory) {
 Vec3 Stepper::velocity_after(int system, int link, const Vec3& p) const {
   const dynamics::Workspace& ws = workspaces_[static_cast<std::size_t>(system)];
   const std::vector<double>& v = scratch_[static_cast<std::size_t>(system)].free_v;
+  const auto add = [&](Vec6& V, int k) { V += ws.S[static_cast<std::size_t>(k)] * v[static_cast<std::size_t>(k)]; };
   Vec6 V;
-  for (const int k : dynamics::chain_of_link(ws, link)) V += ws.S[static_cast<std::size_t>(k)] * v[static_cast<std::size_t>(k)];
+  if (!ws.chain.empty()) {
+    for (const int k : dynamics::chain_of_link(ws, link)) add(V, k);
+  } else {  // a large mechanism (Workspace::make_rows)
+    const std::span<const int> parents = mechanisms_[static_cast<std::size_t>(system)]->dof_parents();
+    for (int k = ws.link_chain[static_cast<std::size_t>(link)]; k >= 0; k = parents[static_cast<std::size_t>(k)]) add(V, k);
+  }
   return V.v + cross(V.w, p - ws.p0);
 }
 

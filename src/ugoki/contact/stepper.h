@@ -32,6 +32,7 @@
 #include "ugoki/contact/collision_impulse.h"
 #include "ugoki/contact/grip.h"
 #include "ugoki/contact/inertial_motion.h"
+#include "ugoki/contact/tree_island.h"
 #include "ugoki/contact/velocity_solver.h"
 #include "ugoki/contact/warm_start.h"
 #include "ugoki/dynamics/articulated_factor.h"
@@ -57,7 +58,9 @@ struct StepperOptions {
   double impact_speed = 0.05;    ///< m/s: slower approaches do not bounce
   double softness =
       1e-4;  ///< contact compliance, as a fraction of the contact's normal inverse inertia; redundant contacts then share the load
-  double rolling = 0.02;  ///< rolling resistance of free round bodies: moment / (radius * normal force)
+  int min_tree_dofs = TreeIsland::min_dofs;     ///< systems with fewer DOFs are solved without TreeIsland
+  double min_tree_work = TreeIsland::min_work;  ///< see TreeIsland::min_work
+  double rolling = 0.02;                        ///< rolling resistance of free round bodies: moment / (radius * normal force)
 };
 
 /// State and inputs of one system for a step. All spans refer to the caller's memory.
@@ -129,7 +132,12 @@ class Stepper {
   /// @param contacts contacts of the last call of step() or repeat(), followed by the new ones; the new ones are forced contacts
   StepReport repeat(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
   /// Whether the last call of repeat() may have changed the result of a system. Meaningful only after repeat().
-  [[nodiscard]] bool has_changed(int system) const { return solver_.is_solved(system); }
+  [[nodiscard]] bool has_changed(int system) const {
+    const SystemScratch& x = scratch_[static_cast<std::size_t>(system)];
+    return x.by_tree ? x.tree_solved : solver_.is_solved(system);
+  }
+  /// Whether repeat() can add this contact; if not, the step must be computed again by step().
+  [[nodiscard]] bool can_add(const collision::ContactPoint& contact) const;
 
   /// Sets the grips of all following steps. Contacts between the two links of a grip get no rows.
   void set_grips(std::span<const Grip> grips);
@@ -167,22 +175,26 @@ class Stepper {
   [[nodiscard]] SolverOptions solver_options(double dt, bool careful) const;
   StepReport finish(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, const SolverReport& solved,
                     StepReport report);
+  bool hand_over();
+  [[nodiscard]] bool is_movable(int system, int link) const;
+  void choose_methods(std::span<const collision::ContactPoint> contacts);
+  SolverReport solve_rows(const SolverOptions& options, std::size_t first_new, bool again);
   void find_impacts(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, StepReport& report);
   void prepare(std::size_t s, const StepSystem& system, double dt);
   void move_freely(std::size_t s, const StepSystem& system, double dt);
   void integrate_system(std::size_t s, StepSystem& system, double dt);
   void add_contact(int index, const collision::ContactPoint& c, double dt, bool forced);
   void add_rolling(const collision::ContactPoint& c);
-  void add_joint_rows(std::size_t s, double dt);
+  int add_joint_rows(std::size_t s, double dt);
   void spread_over_loops(std::size_t s, int last);
   double* add_side(std::size_t s, int last);
   const Vec6& free_velocity(std::size_t s, int last);
-  void add_impulses();
   void predict_grips(std::span<const StepSystem> systems, double dt);
   void add_grip(const Grip& grip, double dt);
   void take_grip_forces(double dt);
-  void solve_loops(std::size_t s, const StepSystem& system, double dt);
-  double make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y, double& terms);
+  void make_loop_basis(std::size_t s, const StepSystem& system, double dt);
+  void solve_loops(std::size_t s);
+  double make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y);
   void close_loops(std::size_t s, StepSystem& system);
 
   struct SystemScratch {
@@ -216,14 +228,22 @@ class Stepper {
       dynamics::ClosedLinks links;
       dynamics::LoopRows rows;
       dynamics::Workspace ws;       // working memory for closing the positions
-      std::vector<double> basis;    // [rank * nv] orthonormal basis of the whitened loop rows; [rows * nv] during orthogonalisation
-      std::vector<double> target;   // [rows] required component of w along each basis vector
+      std::size_t width = 0;        // nv, rounded up to a multiple of 4
+      std::vector<double> basis;    // [rank][width] orthonormal basis of the whitened loop rows; [rows][width] during orthogonalisation
+      std::vector<double> target;   // [rows] whitened velocity along each basis vector at which the loops close
       std::vector<double> minimum;  // [rows] squared row length below which the row is numerically zero
-      std::vector<double> sparse;   // [3 * nv] scratch for up to three rows with entries on one chain only
-      std::vector<double> impulse;  // [nv] whitened impulse of the loops
+      std::vector<double> square;   // [rows] squared row length
+      std::vector<double> sparse;   // [4 * nv] scratch for up to three rows with entries on one chain only
+      std::vector<double> free_w;   // [width] whitened velocity without impulses
+      std::vector<double> impulse;  // [width] whitened impulse of the loops
       int rank = 0;
     };
-    std::unique_ptr<Loops> loops;  // null: the mechanism has no closed loop
+    std::unique_ptr<Loops> loops;      // null: the mechanism has no closed loop
+    std::unique_ptr<TreeIsland> tree;  // null: the system is small, or TreeIsland cannot treat its joints
+    bool by_tree = false;              // true: `tree` solves the rows of this step
+    bool tree_solved = false;          // the last solution may have changed the impulses of `tree`
+    std::size_t tree_blocks = 0;       // blocks of `tree` at its last solution
+    SolverReport tree_report;
   };
 
   std::vector<MechanismPtr> mechanisms_;
@@ -232,6 +252,8 @@ class Stepper {
   std::vector<dynamics::Workspace> workspaces_;
   std::vector<SystemScratch> scratch_;
   VelocitySolver solver_;
+  int handed_over_ = 0;                         // systems that TreeIsland handed over in this step
+  std::vector<double> tree_work_;               // [systems] scratch of choose_methods()
   int max_dense_rows_ = DenseIsland::max_rows;  // maximum number of rows of an island for the dense solver
   CollisionImpulse impact_;
   std::vector<LinkSystem> impact_systems_;

@@ -58,7 +58,9 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt) {
     if (servo) x.extra[i] += dt * system.servo_gain[i];
   }
   x.singular_dof = x.factor.factor(ws, x.extra);
+  if (x.singular_dof < 0 && x.by_tree) x.singular_dof = x.tree->begin(m, ws, system.q, x.v, x.factor, x.extra, options_.recovery_speed, dt);
   if (x.singular_dof >= 0) return;
+  if (x.loops && !x.by_tree) make_loop_basis(s, system, dt);
   x.has_free_motion = false;
   if (x.springs || !x.limited_links.empty())
     for (const Link& link : m.links()) joint_displacement(link.joint, system.q.data() + link.q_index, x.displacement.data() + link.v_index);
@@ -107,7 +109,7 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt) {
 
 /// Replaces the bias force in free_v by the velocity without impulses.
 void Stepper::move_freely(std::size_t s, const StepSystem& system, double dt) {
-  const dynamics::Workspace& ws = workspaces_[s];
+  dynamics::Workspace& ws = workspaces_[s];
   SystemScratch& x = scratch_[s];
   const bool servo = !system.servo_gain.empty();
   for (std::size_t i = 0; i < x.v.size(); ++i) {
@@ -117,9 +119,10 @@ void Stepper::move_freely(std::size_t s, const StepSystem& system, double dt) {
     if (servo) passive += system.servo_gain[i] * (x.v[i] - system.servo_velocity[i]);
     x.free_v[i] = dt * (system.tau[i] - x.free_v[i] - passive);
   }
+  if (x.by_tree) return x.tree->move(*mechanisms_[s], ws, x.v, x.free_v);
   x.factor.solve(x.free_v);
   for (std::size_t i = 0; i < x.v.size(); ++i) x.free_v[i] += x.v[i];
-  if (x.loops) solve_loops(s, system, dt);
+  if (x.loops) solve_loops(s);
 }
 
 }  // namespace ugoki::contact

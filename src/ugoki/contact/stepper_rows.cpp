@@ -1,6 +1,7 @@
 // The constraint rows of a step: contacts, rolling resistance, joint limits, dry friction.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "ugoki/contact/stepper.h"
@@ -62,7 +63,7 @@ void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt
     int last;
     double sign;
   } sides[2];
-  int count = 0;
+  std::size_t count = 0;
   for (int side = 0; side < 2; ++side) {
     const int s = side == 0 ? c.system_a : c.system_b, link = side == 0 ? c.link_a : c.link_b;
     if (s < 0) continue;
@@ -89,27 +90,35 @@ void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt
   frame[0] = n;
   frame[1] = t1;
   frame[2] = t2;
-  RowBlock& block = solver_.begin_block(RowKind::contact, c.key);
-  block.contact = index;
   // Overlaps of this depth exist from the beginning. Their normals may contradict each other, and friction would then lock the bodies.
   const bool deep = gap < -StepperOptions::deep_overlap;
-  block.mu = deep ? 0 : c.friction;
-  block.softness = deep ? deep_softness : 0;
-  block.impact_impulse = impact_impulse;
-  for (int k = 0; k < count; ++k) {
-    const auto& [s, last, sign] = sides[k];
-    const Vec3 r = c.p - workspaces_[s].p0;
-    Vec6 wrenches[3];
-    for (int d = 0; d < 3; ++d) wrenches[d] = {cross(r, frame[d]) * sign, frame[d] * sign};
-    scratch_[s].factor.whiten_wrenches(last, wrenches, add_side(s, last));
-    if (scratch_[s].loops) spread_over_loops(s, last);
-  }
   const double wanted =
       gap > 0 || forced ? -gap / dt : std::min(-gap / options_.recovery_time, (deep ? deep_recovery : 1) * options_.recovery_speed);
   const double target[3] = {free_n - wanted, dot(t1, free), dot(t2, free)};
   double first[3] = {0, 0, 0};  // the last impulse, in the frame of this step: n may turn slightly, and t1 with it by a right angle
   if (const Warm* warm = warm_.find(c.key))
     for (int d = 0; d < 3; ++d) first[d] = dot(frame[d], Vec3{warm->p[0], warm->p[1], warm->p[2]});
+  const auto wrenches = [&](const Side& side) {
+    const Vec3 r = c.p - workspaces_[side.s].p0;
+    std::array<Vec6, 3> w;
+    for (std::size_t d = 0; d < 3; ++d) w[d] = {cross(r, frame[d]) * side.sign, frame[d] * side.sign};
+    return w;
+  };
+  const auto describe = [&](RowBlock& block) {
+    block.contact = index;
+    block.mu = deep ? 0 : c.friction;
+    block.softness = deep ? deep_softness : 0;
+    block.impact_impulse = impact_impulse;
+  };
+  if (SystemScratch& x = scratch_[sides[0].s]; x.by_tree) {  // the other side does not move
+    describe(x.tree->add_contact(c.key, sides[0].sign > 0 ? c.link_a : c.link_b, wrenches(sides[0]), target, first));
+    return;
+  }
+  describe(solver_.begin_block(RowKind::contact, c.key));
+  for (const Side& side : std::span(sides).first(count)) {
+    scratch_[side.s].factor.whiten_wrenches(side.last, wrenches(side).data(), add_side(side.s, side.last));
+    if (scratch_[side.s].loops) spread_over_loops(side.s, side.last);
+  }
   solver_.end_block(target, first);
   add_rolling(c);
 }
@@ -144,20 +153,30 @@ void Stepper::add_rolling(const collision::ContactPoint& c) {
   solver_.end_block(target, warm ? std::span<const double>(warm->p) : std::span<const double>());
 }
 
-void Stepper::add_joint_rows(std::size_t s, double dt) {
+/// Adds the rows of joint limits and dry joint friction of one system. @return number of rows
+int Stepper::add_joint_rows(std::size_t s, double dt) {
   const Mechanism& m = *mechanisms_[s];
   const dynamics::Workspace& ws = workspaces_[s];
   const SystemScratch& x = scratch_[s];
+  int rows = 0;
   const auto add_row = [&](RowKind kind, const Link& link, const double* direction, double target, double bound, std::uint64_t key) {
+    ++rows;
     const int nv = link.joint.nv(), last = link.v_index + nv - 1;
-    RowBlock& block = solver_.begin_block(kind, key);
-    block.bound = bound;
     double u = 0;
     for (int k = 0; k < nv; ++k) u += direction[k] * x.free_v[static_cast<std::size_t>(link.v_index + k)];
-    x.factor.whiten_row(last, {direction, static_cast<std::size_t>(nv)}, add_side(s, last));
-    if (x.loops) spread_over_loops(s, last);
     u -= target;
     const Warm* warm = warm_.find(key);
+    if (x.by_tree) {
+      int k = 0;
+      while (direction[k] == 0) ++k;  // one DOF, because TreeIsland::can_treat() excludes limits of spherical joints
+      x.tree
+          ->add_joint_row(kind, key, link.v_index + k, direction[k], u, warm ? std::span<const double>(warm->p) : std::span<const double>())
+          .bound = bound;
+      return;
+    }
+    solver_.begin_block(kind, key).bound = bound;
+    x.factor.whiten_row(last, {direction, static_cast<std::size_t>(nv)}, add_side(s, last));
+    if (x.loops) spread_over_loops(s, last);
     solver_.end_block({&u, 1}, warm ? std::span<const double>(warm->p) : std::span<const double>());
   };
   for (const int i : x.limited_links) {
@@ -205,6 +224,7 @@ void Stepper::add_joint_rows(std::size_t s, double dt) {
     add_row(RowKind::friction, link, direction, 0, dt * ws.dofs[static_cast<std::size_t>(f)].friction,
             limit_key | (static_cast<std::uint64_t>(s) << 40) | (static_cast<std::uint64_t>(f) << 4) | 2);
   }
+  return rows;
 }
 
 }  // namespace ugoki::contact

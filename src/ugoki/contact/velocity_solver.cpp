@@ -6,24 +6,6 @@
 #include "ugoki/contact/contact_law.h"
 
 namespace ugoki::contact {
-namespace {
-
-/// Inverse of a symmetric 3 x 3 matrix with entries 00 11 22 01 02 12, regularised by 1e-12 of its trace.
-void invert(const double* S, double* out) {
-  const double small = 1e-12 * (S[0] + S[1] + S[2]);  // the rows of a contact on a system with one DOF are dependent
-  const double a = S[0] + small, b = S[1] + small, c = S[2] + small, d = S[3], e = S[4], f = S[5];
-  const double A = b * c - f * f, D = e * f - d * c, E = d * f - e * b;
-  const double scale = 1 / (a * A + d * D + e * E);
-  out[0] = A * scale;
-  out[1] = (a * c - e * e) * scale;
-  out[2] = (a * b - d * d) * scale;
-  out[3] = D * scale;
-  out[4] = E * scale;
-  out[5] = (d * e - a * f) * scale;
-}
-
-}  // namespace
-
 void VelocitySolver::set_systems(std::span<const int> first) {
   first_.assign(first.begin(), first.end());
   const std::size_t systems = first.size() - 1;
@@ -318,13 +300,7 @@ void VelocitySolver::begin_blocks(const SolverOptions& options, std::size_t firs
   std::ranges::fill(solved_, char{0});
   for (RowBlock& b : blocks_) b.solved_motion = -HUGE_VAL;
   for (RowBlock& b : std::span(blocks_).subspan(first)) {
-    if (b.kind == RowKind::contact) {
-      const double softness = std::max(b.softness, options.softness);
-      b.B[0] *= 1 + softness;
-      b.compliance = softness / (1 + softness);
-    }
-    b.size = std::sqrt(b.rows == 3 ? std::max({b.B[0], b.B[1], b.B[2]}) : b.B[0]);
-    if (b.rows == 3) invert(b.B, b.inverse);
+    finish_block(b, options.softness);
     apply(b, p_.data() + b.row);
   }
   find_islands();

@@ -174,4 +174,23 @@ void ArticulatedFactor::add_whitened(std::span<const double> w, std::span<double
   }
 }
 
+void ArticulatedFactor::whiten_velocity(std::span<const double> v, std::span<double> w) const {
+  const std::size_t n = dofs_.size();
+  UGOKI_CHECK(w.size() == n && v.size() == n);
+  double* const at = sweep_.data();
+  for (std::size_t k = 0; k < n; ++k) {
+    const Dof& dof = dofs_[k];
+    double* const a = at + 6 * k;
+    double carried = 0;
+    if (dof.parent < 0) {
+      for (int j = 0; j < 6; ++j) a[j] = dof.S[j] * v[k];
+    } else {
+      const double* const up = at + 6 * static_cast<std::size_t>(dof.parent);
+      carried = product(dof.U, up);
+      for (int j = 0; j < 6; ++j) a[j] = up[j] + dof.S[j] * v[k];
+    }
+    w[k] = (dof.pivot * v[k] + carried) * dof.root;
+  }
+}
+
 }  // namespace ugoki::dynamics

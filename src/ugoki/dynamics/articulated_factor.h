@@ -43,6 +43,9 @@ class ArticulatedFactor {
   /// v += L^-1 D^-1/2 w: adds the velocity change of the whitened impulse w. O(nv). @param w [nv] @param v [nv, in and out]
   void add_whitened(std::span<const double> w, std::span<double> v) const;
 
+  /// w = D^1/2 L v: the whitened velocity of v, so that y . w = J v for a whitened row y. O(nv). @param v [nv] @param w [nv, out]
+  void whiten_velocity(std::span<const double> v, std::span<double> w) const;
+
   /// D of DOF k, kg | kg m^2.
   [[nodiscard]] double pivot(std::size_t k) const { return dofs_[k].pivot; }
   /// 1 / D of DOF k, 1/kg | 1/(kg m^2).
