@@ -53,6 +53,8 @@ TEST(FuzzSeeds, Project) { run("project", fuzz_project); }
 TEST(FuzzSeeds, Skeleton) { run("skeleton", fuzz_skeleton); }
 TEST(FuzzSeeds, Mvnx) { run("mvnx", fuzz_mvnx); }
 TEST(FuzzSeeds, Smpl) { run("smpl", fuzz_smpl); }
+TEST(FuzzSeeds, OpenSim) { run("opensim", fuzz_opensim); }
+TEST(FuzzSeeds, DeepMimic) { run("deepmimic", fuzz_deepmimic); }
 TEST(FuzzSeeds, Set) { run("set", fuzz_set); }
 
 }  // namespace
