@@ -114,7 +114,7 @@ void add_correct_verb(CLI::App& app, Action& action) {
   verb->add_flag("--keep-floor", options->keep_floor, "The floor of the motion is z = 0; do not search for it");
   verb->add_flag("--keep-duration", o.keep_duration, "Do not change the duration of flights in which gravity is wrong");
   verb->add_option("--skeleton,--asf", options->source.asf,
-                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or body model of SMPL files (.npz)");
+                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
   verb->add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)")
       ->check(CLI::Range(0.1, 30.0));
   verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)")

@@ -332,7 +332,7 @@ void add_export_verb(CLI::App& app, Action& action) {
   verb->add_option("--title", o->title, "Title of the page (default: the name of the content)");
   verb->add_option("--player", o->player, "Folder with the parts of the player");
   verb->add_option("--skeleton,--asf", o->source.asf,
-                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or body model of SMPL files (.npz)");
+                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
   verb->add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", o->json, "Print one JSON object");
   verb->footer(

@@ -176,7 +176,7 @@ void add_import_verb(CLI::App& app, Action& action) {
       ->check(CLI::Range(1.0, 10000.0))
       ->capture_default_str();
   verb->add_option("--skeleton,--asf", options->source.asf,
-                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or body model of SMPL files (.npz)");
+                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
   add_robot_options(*verb, options->source.robot);
   verb->add_option("--bvh", options->bvh, "Also write the measured motion as BVH: a file, or a folder for several inputs");
   verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");

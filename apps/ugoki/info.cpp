@@ -286,7 +286,7 @@ void add_info_verb(CLI::App& app, Action& action) {
                    "BVH, AMC, mechanism JSON, URDF, SDF, MJCF, *.fmu, *.ugoki, *.ugx, a library, or an entry's name or id")
       ->required();
   verb->add_option("--skeleton,--asf", options->source.asf,
-                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or body model of SMPL files (.npz)");
+                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
   add_robot_options(*verb, options->source.robot);
   add_correction_options(*verb, options->source);
   verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");

@@ -161,7 +161,7 @@ void add_judge_verb(CLI::App& app, Action& action) {
   add_limit("skate", MeasureId::slip, options->max_skate, "Maximum foot skate, cm per stance");
   add_limit("penetration", MeasureId::penetration, options->max_penetration, "Maximum ground penetration, mm");
   verb->add_option("--skeleton,--asf", options->source.asf,
-                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or body model of SMPL files (.npz)");
+                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
   verb->add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)")
       ->check(CLI::Range(0.1, 30.0));
   verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)")

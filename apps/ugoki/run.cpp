@@ -227,7 +227,7 @@ void add_run_verb(CLI::App& app, Action& action) {
   verb->add_option("--frames", options->frames, "Write the display frames to this file (docs/files.md)");
   verb->add_option("--ugx", options->executable, "Write the executable data to this file");
   verb->add_option("--skeleton,--asf", options->source.asf,
-                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or body model of SMPL files (.npz)");
+                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
   verb->add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)")
       ->check(CLI::Range(0.1, 30.0));
   verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)")

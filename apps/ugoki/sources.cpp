@@ -134,7 +134,7 @@ Result<TargetKind> kind_of(const std::string& target) {
   const std::optional<intake::FileKind> kind = intake::file_kind(target);
   if (!kind)
     return fail(ErrorCode::unsupported, target, "The kind of this file is unknown.",
-                "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .usda, .mvnx, .npz, .json, .urdf, .sdf, .xml, .ugoki or .ugx file.");
+                "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .usda, .mvnx, .npz, .mot, .sto, .txt, .osim, .json, .urdf, .sdf, .xml, .ugoki or .ugx file.");
   const bool mechanism = *kind == intake::FileKind::mechanism_json || *kind == intake::FileKind::robot;
   return mechanism ? TargetKind::mechanism_file : TargetKind::measured_file;
 }
@@ -169,13 +169,14 @@ Result<intake::Intake> take_in_mapped(const std::string& path, const SourceOptio
     };
     return intake::take_in(*bytes, path, nullptr, gltf_options);
   }
-  if (kind == intake::FileKind::smpl && !options.asf.empty()) {
+  const bool has_model = kind == intake::FileKind::smpl || kind == intake::FileKind::opensim || kind == intake::FileKind::deepmimic;
+  if (has_model && !options.asf.empty()) {
     Result<std::string> model = files::read_file(options.asf);
     if (!model) return fail(std::move(model.error()));
-    intake::IntakeOptions smpl_options = options.intake;
-    smpl_options.smpl_model = std::move(*model);
-    smpl_options.smpl_model_name = options.asf;
-    return intake::take_in(*bytes, path, nullptr, smpl_options);
+    intake::IntakeOptions model_options = options.intake;
+    model_options.model = std::move(*model);
+    model_options.model_name = options.asf;
+    return intake::take_in(*bytes, path, nullptr, model_options);
   }
   if (kind != intake::FileKind::amc) return intake::take_in(*bytes, path, nullptr, options.intake);
   const std::string asf_path = options.asf.empty() ? intake::skeleton_name_for(path) : options.asf;

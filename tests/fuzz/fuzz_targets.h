@@ -33,6 +33,8 @@ void fuzz_skeleton(const std::uint8_t* data, std::size_t size);
 void fuzz_mvnx(const std::uint8_t* data, std::size_t size);
 void fuzz_usda(const std::uint8_t* data, std::size_t size);
 void fuzz_smpl(const std::uint8_t* data, std::size_t size);
+void fuzz_opensim(const std::uint8_t* data, std::size_t size);
+void fuzz_deepmimic(const std::uint8_t* data, std::size_t size);
 void fuzz_set(const std::uint8_t* data, std::size_t size);
 
 }  // namespace ugoki

@@ -54,6 +54,8 @@ TEST(FuzzSeeds, Skeleton) { run("skeleton", fuzz_skeleton); }
 TEST(FuzzSeeds, Mvnx) { run("mvnx", fuzz_mvnx); }
 TEST(FuzzSeeds, Usda) { run("usda", fuzz_usda); }
 TEST(FuzzSeeds, Smpl) { run("smpl", fuzz_smpl); }
+TEST(FuzzSeeds, OpenSim) { run("opensim", fuzz_opensim); }
+TEST(FuzzSeeds, DeepMimic) { run("deepmimic", fuzz_deepmimic); }
 TEST(FuzzSeeds, Set) { run("set", fuzz_set); }
 
 }  // namespace

@@ -71,6 +71,7 @@ class Maker {
     find_followers();
     make_shapes();
     add_pads();
+    if (four_legs()) thin_sunken_shapes();
     find_masses();
     protect_small_links();
     find_strengths();
@@ -253,10 +254,42 @@ class Maker {
           std::nth_element(lows.begin(), low, lows.end());
           floor = std::min(floor, *low);
         }
+    floor_ = floor;
     for (const End& e : ends) {
       const double gap = e.level - e.radius - floor;
       if (gap < 1e-4 * size_ || gap > 0.12 * out_.height) continue;
       link(e.link).shapes.push_back(Shape::capsule(e.radius, e.tip, e.tip - e.up * gap));
+    }
+  }
+
+  /// Thins the shapes that the measured motion puts below the floor (the trunk of an animal that lies). A shape whose axis is below the
+  /// floor does not collide. Masses do not change, because the animal is as heavy as it is.
+  void thin_sunken_shapes() {
+    if (floor_ < -1e299) return;
+    std::vector<Pose> X;
+    std::vector<std::vector<Pose>> poses;
+    for (int f = 0, step = std::max(1, m_.frames / 240); f < m_.frames; f += step) {
+      m_.calc_joint_poses(f, X);
+      poses.push_back(X);
+    }
+    std::vector<double> lows;
+    for (int i = 0; i < n_; ++i) {
+      const Part own = part(i).part;
+      if (own == Part::foot || own == Part::toes || own == Part::hand || own == Part::fingers) continue;  // these stand on the floor
+      for (Shape& s : link(i).shapes) {
+        if (s.type != ShapeType::capsule && s.type != ShapeType::sphere) continue;
+        lows.clear();
+        for (const auto& pose : poses)
+          lows.push_back(std::min((pose[at(i)] * (s.X_BS * Vec3{0, 0, -s.half_length})).z, (pose[at(i)] * (s.X_BS * Vec3{0, 0, s.half_length})).z));
+        const auto low = lows.begin() + static_cast<std::ptrdiff_t>(lows.size() / 50);
+        std::nth_element(lows.begin(), low, lows.end());
+        const double clearance = *low - floor_;
+        if (clearance >= s.radius - 0.01 * out_.height) continue;
+        if (clearance > 0.3 * s.radius)
+          s.radius = clearance;
+        else
+          s.collides = false;
+      }
     }
   }
 
@@ -372,6 +405,7 @@ class Maker {
   std::vector<Vec3> p_;
   std::vector<std::vector<Vec3>> bones_;  // [joints] m
   double size_ = 0;                       // m
+  double floor_ = -1e300;                 // m, level of the floor; below -1e299: unknown
   std::map<std::string, int> used_;
   Creature out_;
 };

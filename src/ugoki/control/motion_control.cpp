@@ -98,9 +98,10 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
     const auto link = static_cast<std::size_t>(c.link_a);
     const Vec3 p_ref = reference_.X_WB[link] * (ws.X_WB[link].inverse() * c.p);
     const Vec3 v_ref = dynamics::point_velocity(reference_, c.link_a, p_ref);
-    const double height = dot(c.n, p_ref + shift - c.p), rise = dot(c.n, v_ref);
-    if (height > options_.planted_height || rise > options_.planted_speed) continue;
-    const double slide = norm(v_ref - c.n * rise);
+    // A character that has lost its reference stands on whatever touches the ground.
+    const double height = dot(c.n, p_ref + shift - c.p), rise = (1 - lost_) * dot(c.n, v_ref);
+    if (height > options_.planted_height + lost_ * lever_ || rise > options_.planted_speed) continue;
+    const double slide = (1 - lost_) * norm(v_ref - c.n * dot(c.n, v_ref));
     if (slide > options_.sliding_limit) continue;
     // Load on a point that is about to lift (a heel) or that slides is costly, so that other points (the toes) carry it.
     const double lift = std::max(0.0, rise) / options_.lifting_speed,
@@ -115,7 +116,7 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
 
 double MotionControl::apply_free_fall(const Vec3& ahead, Vec6& missing, Vec3& gravity, std::span<double> tau) {
   if (options_.assist_limit >= 1 || !(weight_ > 0)) return 0;  // free fall is not needed, because the assist can carry the whole weight
-  const double depth = std::clamp(-ahead.z / (options_.fall_depth * lever_), 0.0, 1.0);
+  const double depth = std::clamp(-ahead.z / (options_.flight_depth * lever_), 0.0, 1.0);
   const double up = missing.v.z > 0 ? missing.v.z * (1 - depth * depth) : missing.v.z;  // the assist must not pull the character down
   const double share = std::min(1.0, std::fabs(up) / weight_);
   if (share < 1e-3) return 0;
@@ -125,6 +126,12 @@ double MotionControl::apply_free_fall(const Vec3& ahead, Vec6& missing, Vec3& gr
   dynamics::calc_inverse_dynamics(*mechanism_, workspace_, wanted_, gravity, {}, tau);
   missing += workspace_.F[0] - before;
   return share;
+}
+
+Vec6 MotionControl::capped(const Vec6& wanted, double cap) const {
+  const double moment = norm(wanted.w) / lever_, force = norm(wanted.v);
+  const double of_moment = std::min(moment, cap), of_force = std::min(force, std::sqrt(std::max(0.0, cap * cap - of_moment * of_moment)));
+  return {wanted.w * (moment > 0 ? of_moment / moment : 0), wanted.v * (force > 0 ? of_force / force : 0)};
 }
 
 void MotionControl::give_up(const Vec6& lack, const Vec3& gravity, std::span<double> tau) {
@@ -180,6 +187,8 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
   // Supports: contact points that touch the ground and that are planted in the reference.
   const std::size_t root_dofs = floating_ ? 6 : 0;
   dynamics::update_kinematics(m, in.q, in.v, ws);
+  const Vec3 from_reference = floating_ ? Vec3{in.q[0] - in.q_ref[0], in.q[1] - in.q_ref[1], in.q[2] - in.q_ref[2]} : Vec3{};
+  lost_ = floating_ ? std::clamp((calc_departure(in, from_reference, state.shift) - options_.lost_from) / options_.lost_range, 0.0, 1.0) : 0;
   find_supports(in, {state.shift[0], state.shift[1], state.shift[2]});
 
   // 1. Wanted accelerations, from the errors predicted for the end of the step (stable PD). The root and the joints between root and
@@ -213,7 +222,7 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
     const double wanted_size = std::sqrt(dot(out.wanted.v, out.wanted.v) + dot(out.wanted.w, out.wanted.w) / (lever_ * lever_));
     const double cap = options_.assist_limit * weight_;
     out.ratio = cap > 0 ? wanted_size / cap : wanted_size > 1e-9 * weight_ ? 1e9 : 0.0;
-    out.assist = out.wanted * (out.ratio > 1 ? 1 / out.ratio : 1.0);
+    out.assist = out.ratio > 1 ? capped(out.wanted, cap) : out.wanted;
     if (out.ratio > 1) give_up(out.wanted - out.assist, gravity, tau);
     for (std::size_t c = 0; c < supports_.size(); ++c) {
       const Vec6 wrench{cross(supports_[c].p - ws.p0, forces[c]), forces[c]};
@@ -221,6 +230,11 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
         tau[static_cast<std::size_t>(f)] -= dot(ws.S[static_cast<std::size_t>(f)], wrench);
     }
     update_shift(in, forces, ahead, falling, state.shift);
+    if (out.ratio > 1) {  // the root cannot catch up with its path; the path follows the root instead
+      const double share = std::min(1.0, in.dt / options_.lag_time * std::min(1.0, out.ratio - 1));
+      state.shift[0] += (ahead.x - state.shift[0]) * share;
+      state.shift[1] += (ahead.y - state.shift[1]) * share;
+    }
     state.departure += in.dt / options_.patience * (calc_departure(in, ahead, state.shift) - state.departure);
     if (state.departure > 1) {
       state.released = 1;

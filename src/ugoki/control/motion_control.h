@@ -44,9 +44,13 @@ struct ControlOptions {
       3;  ///< m/s: a point that moves faster along the floor is not planted: a swinging foot, not one in stance or landing
   double shift_time = 0.12;  ///< s: time constant with which the root trajectory is shifted towards the actual feet
   double return_time = 2;    ///< s: time constant with which the shift decays
-  /// Fraction of lever(): depth of the root below the reference at which free fall without support has faded out. A root that is deeper, or
-  /// this far away from its shifted reference horizontally, has lost its reference.
+  /// Fraction of lever(): a root that is deeper below the reference, or farther away from its shifted reference horizontally, has lost it.
   double fall_depth = 0.5;
+  double flight_depth = 0.25;  ///< fraction of lever(): depth of the root below the reference at which free fall without support has faded out
+  /// Departure from the reference (calc_departure) from which contacts bear load although the reference lifts or slides them, and the range
+  /// over which the conditions of planted_height, planted_speed and sliding_limit fade out.
+  double lost_from = 0.1, lost_range = 0.3;
+  double lag_time = 0.3;      ///< s: time constant with which the path of the root follows the root while the wanted assist exceeds its cap
   double release_tilt = 1;    ///< rad: a root that is tilted by more relative to its reference has lost it
   Vec3 gravity{0, 0, -9.81};  ///< m/s^2, world
 };
@@ -113,6 +117,8 @@ class MotionControl {
   /// @param gravity m/s^2, in and out: gravity minus the acceleration of the free fall, for inverse dynamics
   /// @return fraction of the weight that is left to gravity, 0 ... 1
   double apply_free_fall(const Vec3& ahead, Vec6& missing, Vec3& gravity, std::span<double> tau);
+  /// The wanted assist reduced to the cap [N]: the moment first, which keeps the character upright, then the force.
+  [[nodiscard]] Vec6 capped(const Vec6& wanted, double cap) const;
   /// Changes the wanted acceleration of the root so that the character does without the wrench `lack`, and recomputes the torques. The
   /// wanted accelerations of the joints stay the same, so the wrench accelerates the character as one rigid body.
   void give_up(const Vec6& lack, const Vec3& gravity, std::span<double> tau);
@@ -132,6 +138,7 @@ class MotionControl {
   double lever_ = 1;
   double weight_ = 0;  // N
   bool floating_ = false;
+  double lost_ = 0;  // 0: follows the reference; 1: has lost it, so that all contacts bear load
   std::vector<double> wanted_;  // [nv] accelerations, m/s^2 | rad/s^2
   std::vector<double> displacement_;
   std::vector<int> undriven_;              // velocity indices of the joint DOFs without a drive

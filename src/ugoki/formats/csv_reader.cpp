@@ -11,6 +11,7 @@
 #include "ugoki/formats/csv_table.h"
 #include "ugoki/formats/file_axes.h"
 #include "ugoki/formats/marker_axes.h"
+#include "ugoki/formats/motive_csv.h"
 
 namespace ugoki::formats {
 namespace {
@@ -148,6 +149,7 @@ std::vector<CsvCoordinate> csv_coordinates(const Mechanism& mechanism) {
 }
 
 CsvKind csv_kind(std::string_view text) {
+  if (is_motive_csv(text)) return CsvKind::points;
   Problems problems("head");
   CsvTable table;
   if (!read_csv_table(text.substr(0, 4'000'000), problems, table, false)) return CsvKind::points;
@@ -164,6 +166,7 @@ CsvKind csv_kind(std::string_view text) {
 Result<MarkerMotion> read_csv(std::string_view text, std::string_view file_name, const MarkerOptions& options, ReadNotes* notes) {
   ReadNotes own;
   ReadNotes& collected = notes != nullptr ? *notes : own;
+  if (is_motive_csv(text)) return read_motive_csv(text, file_name, options, collected);
   Problems problems(file_name);
   CsvTable table;
   Points points;

@@ -20,6 +20,7 @@ using GltfFiles = std::function<Result<std::vector<std::byte>>(std::string_view 
 struct GltfOptions {
   double rate = 0;             ///< frames per second at which animations are sampled; 0: the rate of the most closely spaced keys
   double metres_per_unit = 0;  ///< m per file unit; 0: 1 as glTF specifies; guessed if the skeleton would exceed 20 m or be below 1 cm
+  bool mesh_ends = false;      ///< gives joints without children the far ends of their meshes as end sites; otherwise they have none
   GltfFiles files = {};        ///< reads buffers that are in other files; null: a .gltf file with such buffers is rejected
 };
 

@@ -78,6 +78,7 @@ class Parser {
   Result<GltfDocument> parse(std::span<const std::byte> bytes) {
     if (!split(bytes) || !check_asset() || !read_buffers() || !read_nodes() || !read_skins() || !read_animations())
       return fail(std::move(error_));
+    read_mesh_ends();
     return std::move(out_);
   }
 
@@ -444,6 +445,60 @@ class Parser {
       out_.skins.push_back(std::move(skin));
     }
     return true;
+  }
+
+  /// Sets GltfSkin::mesh_ends. A mesh that cannot be read is left out.
+  void read_mesh_ends() {
+    constexpr std::size_t most = 12'000'000;  // numbers of all meshes
+    std::size_t numbers = 0;
+    const Json &nodes = list("nodes"), &meshes = list("meshes"), &accessors = list("accessors");
+    std::vector<std::vector<std::vector<Vec3>>> points(out_.skins.size());  // [skins][joints]
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const auto mesh = index(nodes[i], "mesh", meshes.size());
+      if (out_.nodes[i].skin < 0 || !mesh || *mesh < 0) continue;
+      const auto s = static_cast<std::size_t>(out_.nodes[i].skin);
+      const GltfSkin& skin = out_.skins[s];
+      const Json* primitives = member(meshes[static_cast<std::size_t>(*mesh)], "primitives");
+      if (skin.inverse_binds.empty() || primitives == nullptr || !primitives->is_array()) continue;
+      points[s].resize(skin.joints.size());
+      for (const Json& p : *primitives) {
+        const Json* attributes = member(p, "attributes");
+        if (attributes == nullptr || member(p, "extensions") != nullptr) continue;
+        const auto position = index(*attributes, "POSITION", accessors.size()), joints = index(*attributes, "JOINTS_0", accessors.size()),
+                   weights = index(*attributes, "WEIGHTS_0", accessors.size());
+        if (!position || *position < 0 || !joints || *joints < 0 || !weights || *weights < 0) continue;
+        const auto count = index(accessors[static_cast<std::size_t>(*position)], "count", most);
+        if (!count || *count < 1 || (numbers += 11 * static_cast<std::size_t>(*count)) > most) continue;
+        std::vector<double> x, j, w;
+        const bool read = accessor(*position, 3, "meshes", x) && accessor(*joints, 4, "meshes", j) && accessor(*weights, 4, "meshes", w);
+        error_ = {};
+        if (!read || j.size() != w.size() || 4 * x.size() != 3 * j.size()) continue;
+        for (std::size_t v = 0; 3 * v < x.size(); ++v) {
+          const auto heaviest = static_cast<std::size_t>(std::max_element(&w[4 * v], &w[4 * v] + 4) - &w[4 * v]);
+          const double joint = j[4 * v + heaviest];
+          if (!(joint >= 0) || joint >= static_cast<double>(skin.joints.size())) continue;
+          const auto k = static_cast<std::size_t>(joint);
+          const Affine& bind = skin.inverse_binds[k];
+          points[s][k].push_back(bind.A * Vec3{x[3 * v], x[3 * v + 1], x[3 * v + 2]} + bind.p);
+        }
+      }
+    }
+    for (std::size_t s = 0; s < points.size(); ++s) {
+      out_.skins[s].mesh_ends.resize(points[s].size());
+      for (std::size_t k = 0; k < points[s].size(); ++k) {
+        double reach = 0;
+        for (const Vec3& p : points[s][k]) reach = std::max(reach, norm(p));
+        if (!(reach > 0) || !std::isfinite(reach)) continue;
+        Vec3 sum;
+        double count = 0;
+        for (const Vec3& p : points[s][k])
+          if (norm(p) > 0.85 * reach) {  // mean of the farthest points, so that a single corner does not decide
+            sum += p;
+            count += 1;
+          }
+        out_.skins[s].mesh_ends[k] = sum / count;
+      }
+    }
   }
 
   bool read_animations() {

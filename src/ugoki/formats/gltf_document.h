@@ -31,6 +31,8 @@ struct GltfNode {
 struct GltfSkin {
   std::vector<int> joints;            ///< indices in GltfDocument::nodes
   std::vector<Affine> inverse_binds;  ///< [joints], or empty if the file gives none
+  /// [joints] far end of the part of the mesh that follows the joint, in the joint's frame in the bind pose; or empty
+  std::vector<std::optional<Vec3>> mesh_ends;
 };
 
 enum class GltfPath : unsigned char { translation, rotation, scale };

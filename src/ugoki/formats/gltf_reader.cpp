@@ -286,6 +286,7 @@ class Reader {
       joint.translates = joint.parent < 0;
       m.skeleton.joints.push_back(std::move(joint));
     }
+    if (options_.mesh_ends) add_mesh_ends(m.skeleton, axes);
     // A repeated name is made unique by an appended number.
     std::vector<std::string> names;
     for (SkeletonJoint& j : m.skeleton.joints) {
@@ -295,6 +296,22 @@ class Reader {
       names.push_back(unique);
     }
     return m;
+  }
+
+  /// Gives joints without children the ends of their meshes as end sites.
+  void add_mesh_ends(Skeleton& skeleton, const FileAxes& axes) const {
+    std::vector<char> carries(joints_.size(), 0);
+    for (const SkeletonJoint& j : skeleton.joints)
+      if (j.parent >= 0) carries[static_cast<std::size_t>(j.parent)] = 1;
+    for (const GltfSkin& skin : doc_.skins)
+      for (std::size_t k = 0; k < skin.mesh_ends.size(); ++k) {
+        const auto node = static_cast<std::size_t>(skin.joints[k]);
+        const int j = joint_of_node_[node];
+        if (j < 0 || carries[static_cast<std::size_t>(j)] != 0 || !skin.mesh_ends[k]) continue;
+        const Vec3 end = axes.from_file(rest_[node].A * *skin.mesh_ends[k]);
+        if (!is_finite(end) || norm(end) > max_magnitude || !skeleton.joints[static_cast<std::size_t>(j)].end_sites.empty()) continue;
+        skeleton.joints[static_cast<std::size_t>(j)].end_sites.push_back(end);
+      }
   }
 
   /// Computes all frames. The rotation of a joint from rest is computed in world axes, then made relative to the parent's rotation. The
@@ -349,7 +366,10 @@ class Reader {
     notes_.metres_per_unit = metres;
     for (MeasuredMotion& m : motions) {
       m.skeleton.unit = metres;
-      for (SkeletonJoint& j : m.skeleton.joints) j.offset *= metres;
+      for (SkeletonJoint& j : m.skeleton.joints) {
+        j.offset *= metres;
+        for (Vec3& e : j.end_sites) e *= metres;
+      }
       for (Vec3& t : m.translations) t *= metres;
     }
   }

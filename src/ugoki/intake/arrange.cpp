@@ -7,6 +7,7 @@
 #include "ugoki/body/limb_geometry.h"
 #include "ugoki/intake/conversion_report.h"
 #include "ugoki/intake/correction.h"
+#include "ugoki/intake/limb_ends.h"
 
 namespace ugoki::intake {
 namespace {
@@ -276,7 +277,8 @@ std::vector<std::string> attach_fore_limbs_to_spine(std::span<MeasuredMotion> mo
 std::vector<std::string> attach_to_rigid_joints(std::span<MeasuredMotion> motions) {
   // Lengths are shares of the skeleton's extent. Baked inverse kinematics leaves errors below 1 % except where a limb cannot reach its
   // target. In animations of games a limb does not reach its target in up to 15 % of the frames (jumps, rolls).
-  constexpr double min_shift = 0.05, rigid = 0.01, reached = 0.8, loose = 0.1, mostly = 0.95, same_place = 0.02, longest = 0.35;
+  constexpr double min_shift = 0.05, rigid = 0.01, reached = 0.8, loose = 0.1, mostly = 0.95, same_place = 0.02, longest = 0.35,
+                   usual = 0.06;
   std::vector<std::string> names;
   const std::size_t n = motions[0].skeleton.joints.size();
   const std::vector<std::vector<Pose>> samples = sample_poses(motions);
@@ -330,6 +332,28 @@ std::vector<std::string> attach_to_rigid_joints(std::span<MeasuredMotion> motion
       }
     }
     if (follows || best == n) continue;
+    names.push_back(s.joints[i].name);
+    shifts[i] = 0;
+    new_parent[i] = static_cast<int>(best);
+  }
+  // Animated limbs do not always reach the controls of their feet. A control that carries a foot belongs to the limb of its side whose end
+  // is usually nearest to it.
+  std::vector<std::string> joint_names;
+  for (const SkeletonJoint& j : s.joints) joint_names.push_back(j.name);
+  const std::vector<body::NameEvidence> evidence = body::read_joint_names(joint_names);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (shifts[i] == 0 || !is_small(i) || !evidence[i].control || evidence[i].side == 0 || below[i] == 0) continue;
+    std::size_t best = n;
+    double smallest = usual * extent;
+    for (std::size_t a = 0; a < n; ++a) {
+      if (shifts[a] != 0 || is_end[a] == 0 || is_below_now(a, i) || evidence[a].helper || evidence[a].side != evidence[i].side) continue;
+      if (evidence[a].fore != evidence[i].fore || evidence[a].hind != evidence[i].hind) continue;
+      const double d = quantile(deviations(samples, i, a), 0.5), away = norm(samples[0][a].p - samples[0][i].p);
+      if (away < same_place * extent || away > longest * extent || d >= smallest) continue;
+      smallest = d;
+      best = a;
+    }
+    if (best == n) continue;
     names.push_back(s.joints[i].name);
     shifts[i] = 0;
     new_parent[i] = static_cast<int>(best);
@@ -496,10 +520,18 @@ void make_root(MeasuredMotion& m, int root) {
   set_world(m, world);
 }
 
-body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping) {
+body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
+                        bool mesh_ends) {
   const MeasuredMotion* longest = &motions[0];
   for (const MeasuredMotion& m : motions)
     if (m.frames > longest->frames) longest = &m;
+  // Ends of bones that were estimated from the mesh are used only if no character is recognised without them.
+  std::vector<MeasuredMotion> with_ends;
+  if (mesh_ends) {
+    with_ends.assign(motions.begin(), motions.end());
+    for (MeasuredMotion& m : motions)
+      for (SkeletonJoint& j : m.skeleton.joints) j.end_sites.clear();
+  }
   if (const std::vector<std::string> joints = attach_to_rigid_ancestors(motions); !joints.empty())
     report.push_back("Joints that shift relative to their parent, but not relative to a joint above it, were attached to that joint: " +
                      list_of(joints) + ".");
@@ -526,6 +558,26 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
         report.push_back("Fore limbs at the same joint as the hind limbs were attached to the spine: " + list_of(joints) + ".");
       }
   }
+  if (character.plan == body::BodyPlan::other)
+    for (const int attempt : {0, 1, 2, 3}) {  // rigs with few bones
+      std::vector<MeasuredMotion> extended = with_ends.empty() ? std::vector<MeasuredMotion>(motions.begin(), motions.end()) : with_ends;
+      attach_to_rigid_ancestors(extended);
+      if (attempt >= 2) attach_to_rigid_joints(extended);
+      const bool with_chest = attempt % 2 == 1;
+      const std::vector<std::string> limbs = with_chest ? add_chest(extended) : std::vector<std::string>{};
+      if (with_chest && limbs.empty()) continue;
+      const std::vector<std::string> ends = add_limb_ends(extended);
+      if (limbs.empty() && ends.empty()) continue;
+      body::Character better = body::recognise_character(extended[index], mapping);
+      if (better.plan == body::BodyPlan::other) continue;
+      std::ranges::move(extended, motions.begin());
+      character = std::move(better);
+      if (!limbs.empty())
+        report.push_back("All limbs have one common joint; a joint for the chest was added, which carries " + list_of(limbs) + ".");
+      if (!ends.empty())
+        report.push_back("Joints that do not turn were added at the ends of limbs with one or two bones: " + list_of(ends) + ".");
+      break;
+    }
   if (character.plan == body::BodyPlan::other && character.pelvis >= 0 && character.chest >= 0) {
     // Legs and arms were found, but the root is between or beyond them. The joint that carries the legs becomes the root.
     std::vector<MeasuredMotion> turned(motions.begin(), motions.end());

@@ -20,9 +20,11 @@ namespace ugoki::intake {
 /// @param motions all on the same skeleton
 /// @param report receives sentences about what was removed
 /// @param mapping corrects the recognised anatomy; null: none
+/// @param mesh_ends true: the end sites were estimated from a mesh (GltfOptions::mesh_ends). They are used only if no character is
+///   recognised without them, and removed otherwise
 /// @return the character, with the indices of the remaining joints
 [[nodiscard]] body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report,
-                                      const body::AnatomyMapping* mapping = nullptr);
+                                      const body::AnatomyMapping* mapping = nullptr, bool mesh_ends = false);
 
 /// Attaches joints that shift relative to their parent to the ancestor with which they move rigidly. (In 3ds Max Biped, thighs are children
 /// of the spine and collar bones of the neck, although they move with pelvis and chest.) World poses do not change.

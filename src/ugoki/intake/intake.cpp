@@ -19,8 +19,10 @@
 #include "ugoki/intake/scale.h"
 #include "ugoki/intake/support.h"
 #include "ugoki/robot_formats/robot_file.h"
+#include "ugoki/scene_formats/deepmimic.h"
 #include "ugoki/scene_formats/meshopt.h"
 #include "ugoki/scene_formats/mvnx.h"
+#include "ugoki/scene_formats/opensim.h"
 #include "ugoki/scene_formats/scene_file.h"
 #include "ugoki/scene_formats/smpl.h"
 #include "ugoki/scene_formats/usd.h"
@@ -150,9 +152,9 @@ Result<void> choose(std::vector<MeasuredMotion>& motions, const IntakeOptions& o
   return {};
 }
 
-/// Imports skeleton motions. @param motions at least one, all on the same skeleton
+/// Imports skeleton motions. @param motions at least one, all on the same skeleton  @param mesh_ends see arrange()
 Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadNotes notes, std::string_view file_name,
-                             const IntakeOptions& options) {
+                             const IntakeOptions& options, bool mesh_ends = false) {
   Intake out;
   out.source = std::string(base_name(file_name));
   if (Result<void> chosen = choose(motions, options, std::string(file_name), out, notes.remarks); !chosen)
@@ -167,7 +169,7 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   const body::AnatomyMapping* mapping = options.mapping ? &*options.mapping : nullptr;
   if (mapping)
     if (Error wrong = body::check_mapping(*mapping, motions[0].skeleton, "mapping"); !wrong.empty()) return fail(std::move(wrong));
-  body::Character character = arrange(motions, notes.remarks, mapping);
+  body::Character character = arrange(motions, notes.remarks, mapping, mesh_ends);
   if (mapping && character.plan == body::BodyPlan::other && mapping->plan != "other")
     return fail(ErrorCode::structure, "mapping", "The mapping does not give a body: " + character.why_not,
                 "Correct the joints of its limbs.");
@@ -374,8 +376,10 @@ std::optional<FileKind> file_kind(std::string_view file_name) {
   if (ending == "usda" || ending == "usd" || ending == "usdc" || ending == "usdz") return FileKind::usd;
   if (ending == "mvnx") return FileKind::mvnx;
   if (ending == "npz") return FileKind::smpl;
+  if (ending == "mot" || ending == "sto") return FileKind::opensim;
+  if (ending == "txt") return FileKind::deepmimic;
   if (ending == "json") return FileKind::mechanism_json;
-  if (ending == "urdf" || ending == "sdf" || ending == "xml" || ending == "xacro") return FileKind::robot;
+  if (ending == "urdf" || ending == "sdf" || ending == "xml" || ending == "xacro" || ending == "osim") return FileKind::robot;
   return std::nullopt;
 }
 
@@ -439,17 +443,24 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
     case FileKind::gltf: {
       const std::span raw(bytes.data(), bytes.size());
       Result<std::vector<MeasuredMotion>> motions =
-          formats::read_gltf(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit, .files = options.files},
+          formats::read_gltf(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit, .mesh_ends = true, .files = options.files},
                              scene_formats::unpack_meshopt, &notes);
       if (!motions) return fail(std::move(motions.error()));
-      return from_measured(std::move(*motions), std::move(notes), file_name, options);
+      return from_measured(std::move(*motions), std::move(notes), file_name, options, true);
     }
     case FileKind::mvnx:
+    case FileKind::opensim:
+    case FileKind::deepmimic:
     case FileKind::smpl: {
-      const scene_formats::SmplModelFile model{std::as_bytes(std::span(options.smpl_model)), options.smpl_model_name};
+      if (*kind == FileKind::opensim && options.model.empty())
+        return fail(ErrorCode::structure, location, "A motion of OpenSim contains coordinates, but not the model.",
+                    "Name its model with --skeleton MODEL.osim.");
+      const scene_formats::SmplModelFile model{std::as_bytes(std::span(options.model)), options.model_name};
       Result<MeasuredMotion> measured =
-          *kind == FileKind::mvnx
-              ? scene_formats::read_mvnx(bytes, file_name, &notes)
+          *kind == FileKind::mvnx      ? scene_formats::read_mvnx(bytes, file_name, &notes)
+          : *kind == FileKind::opensim ? scene_formats::read_opensim(bytes, file_name, options.model, options.model_name, &notes)
+          : *kind == FileKind::deepmimic
+              ? scene_formats::read_deepmimic(bytes, file_name, options.model, options.model_name, &notes)
               : scene_formats::read_smpl(std::as_bytes(std::span(bytes.data(), bytes.size())), file_name, model, &notes);
       if (!measured) return fail(std::move(measured.error()));
       if (options.unit > 0) scale(*measured, options.unit);

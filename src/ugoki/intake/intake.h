@@ -36,7 +36,8 @@ struct IntakeOptions {
   std::string character;                        ///< of a file with several: its number from 1, or its root joint; empty: the first
   std::string take;                             ///< of a file with several motions: its number from 1, or its name; empty: all
   bool travel = false;  ///< give characters that walk in place (on a treadmill) the travel that their standing feet show
-  std::string smpl_model, smpl_model_name;  ///< bytes and name of the .npz of the body model of an SMPL motion; empty: none
+  /// Bytes and name of the file that a motion needs in addition: .npz of the body model (SMPL), .osim (OpenSim), character (DeepMimic).
+  std::string model, model_name;
   formats::GltfFiles files;                 ///< reads external buffers of a .gltf file; null: such files are rejected
   robot_formats::RobotOptions robot;        ///< options for URDF, SDF, MJCF
   std::function<bool()> cancelled;          ///< called before each step and each motion; true ends the import with ErrorCode::cancelled
@@ -64,7 +65,7 @@ struct Intake {
 };
 
 /// Kinds of files that can be imported.
-enum class FileKind { bvh, amc, asf, c3d, trc, csv, gltf, scene, usd, mvnx, smpl, mechanism_json, robot };
+enum class FileKind { bvh, amc, asf, c3d, trc, csv, gltf, scene, usd, mvnx, smpl, opensim, deepmimic, mechanism_json, robot };
 /// Kind from the file name's extension, ignoring case; std::nullopt for other extensions.
 [[nodiscard]] std::optional<FileKind> file_kind(std::string_view file_name);
 

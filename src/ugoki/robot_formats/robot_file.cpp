@@ -3,6 +3,7 @@
 #include <string>
 
 #include "ugoki/robot_formats/mjcf.h"
+#include "ugoki/robot_formats/osim.h"
 #include "ugoki/robot_formats/sdf.h"
 #include "ugoki/robot_formats/urdf.h"
 
@@ -36,6 +37,7 @@ std::optional<RobotFormat> robot_format_of(std::string_view text) {
   if (element == "robot") return RobotFormat::urdf;
   if (element == "sdf") return RobotFormat::sdf;
   if (element == "mujoco") return RobotFormat::mjcf;
+  if (element == "OpenSimDocument") return RobotFormat::osim;
   return std::nullopt;
 }
 
@@ -43,11 +45,12 @@ Result<RobotModel> read_robot_file(std::string_view text, std::string_view file_
   const std::optional<RobotFormat> format = robot_format_of(text);
   if (!format)
     return fail(ErrorCode::unsupported, std::string(file_name), "The file is not a robot description of a known format.",
-                "Use URDF (<robot>), SDF (<sdf>) or MJCF (<mujoco>).");
+                "Use URDF (<robot>), SDF (<sdf>), MJCF (<mujoco>) or an OpenSim model (<OpenSimDocument>).");
   switch (*format) {
     case RobotFormat::urdf: return read_urdf(text, file_name, options);
     case RobotFormat::sdf: return read_sdf(text, file_name, options);
     case RobotFormat::mjcf: return read_mjcf(text, file_name, options);
+    case RobotFormat::osim: return read_osim(text, file_name, options);
   }
   return fail(ErrorCode::unsupported, std::string(file_name), "The format is unknown.", "Use URDF, SDF or MJCF.");
 }

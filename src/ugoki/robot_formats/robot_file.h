@@ -8,12 +8,12 @@
 
 namespace ugoki::robot_formats {
 
-enum class RobotFormat { urdf, sdf, mjcf };
+enum class RobotFormat { urdf, sdf, mjcf, osim };
 
-/// Returns the format for the root element's name: <robot>, <sdf>, <mujoco>; std::nullopt for others. O(length of the text before it)
+/// Returns the format for the root element's name: <robot>, <sdf>, <mujoco>, <OpenSimDocument>; std::nullopt for others. O(length of the text before it)
 [[nodiscard]] std::optional<RobotFormat> robot_format_of(std::string_view text);
 
-/// Reads URDF, SDF or MJCF.
+/// Reads URDF, SDF, MJCF or an OpenSim model.
 /// @param file_name part of the location of every problem; files that the description refers to are searched relative to it
 [[nodiscard]] Result<RobotModel> read_robot_file(std::string_view text, std::string_view file_name, const RobotOptions& options = {});
 

@@ -41,6 +41,8 @@ const char* name_of(intake::FileKind kind) {
     case intake::FileKind::usd: return "USD";
     case intake::FileKind::mvnx: return "MVNX";
     case intake::FileKind::smpl: return "SMPL";
+    case intake::FileKind::opensim: return "OpenSim";
+    case intake::FileKind::deepmimic: return "DeepMimic";
     case intake::FileKind::mechanism_json: return "Mechanism";
     case intake::FileKind::robot: return "Robot description";
     default: return "Motion";
@@ -167,6 +169,12 @@ Result<intake::Intake> ImportService::read(const std::string& file, const std::s
     const auto* p = reinterpret_cast<const std::byte*>(found->data());
     return std::vector<std::byte>(p, p + found->size());
   };
+  if (kind == intake::FileKind::opensim)
+    for (const auto& [name, text] : companions_)
+      if (name.ends_with(".osim")) {
+        options.model = text;
+        options.model_name = name;
+      }
   const formats::Asf* skeleton = nullptr;
   if (kind == intake::FileKind::amc) {
     const Result<const formats::Asf*> found = skeleton_for(file);

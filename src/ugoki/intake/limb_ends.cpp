@@ -1,0 +1,168 @@
+#include "ugoki/intake/limb_ends.h"
+
+#include <algorithm>
+
+#include "ugoki/body/joint_names.h"
+
+namespace ugoki::intake {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+std::vector<body::NameEvidence> evidence_of(const Skeleton& s) {
+  std::vector<std::string> names;
+  for (const SkeletonJoint& j : s.joints) names.push_back(j.name);
+  return body::read_joint_names(names);
+}
+
+std::vector<int> child_counts(const Skeleton& s) {
+  std::vector<int> count(s.joints.size(), 0);
+  for (const SkeletonJoint& j : s.joints)
+    if (j.parent >= 0) ++count[at(j.parent)];
+  return count;
+}
+
+/// Appends a joint that does not turn relative to its parent.
+void append_rigid(MeasuredMotion& m, const std::string& name, int parent, const Vec3& offset, std::vector<Vec3> end_sites) {
+  const std::size_t n = m.skeleton.joints.size();
+  SkeletonJoint joint;
+  joint.name = name;
+  joint.parent = parent;
+  joint.offset = offset;
+  joint.end_sites = std::move(end_sites);
+  m.skeleton.joints.push_back(std::move(joint));
+  std::vector<Vec3> translations;
+  std::vector<Quat> rotations;
+  for (std::size_t f = 0; f < at(m.frames); ++f) {
+    for (std::size_t i = 0; i < n; ++i) {
+      translations.push_back(m.translations[f * n + i]);
+      rotations.push_back(m.rotations[f * n + i]);
+    }
+    translations.push_back(offset);
+    rotations.push_back({});
+  }
+  m.translations = std::move(translations);
+  m.rotations = std::move(rotations);
+}
+
+}  // namespace
+
+std::vector<std::string> add_limb_ends(std::span<MeasuredMotion> motions) {
+  constexpr double ankle = 0.88;  // share of the last bone above the foot, where a rig has no joint for it
+  std::vector<std::string> names;
+  const Skeleton s = motions[0].skeleton;
+  const std::vector<body::NameEvidence> evidence = evidence_of(s);
+  const std::vector<int> children = child_counts(s);
+  for (std::size_t i = 0; i < s.joints.size(); ++i) {
+    if (children[i] > 0 || s.joints[i].parent < 0) continue;
+    std::vector<int> limb;  // from the end to the joint below the trunk
+    bool other = false;
+    for (int k = static_cast<int>(i); k >= 0 && (k == static_cast<int>(i) || children[at(k)] == 1); k = s.joints[at(k)].parent) {
+      const body::NameEvidence& name = evidence[at(k)];
+      other = other || name.helper || name.tail || name.wing || name.part == body::Part::head || name.part == body::Part::neck;
+      if (s.joints[at(k)].parent >= 0) limb.push_back(k);
+    }
+    if (other || limb.empty() || limb.size() > 2) continue;
+    Vec3 end;
+    for (const Vec3& e : s.joints[i].end_sites) end += e / static_cast<double>(s.joints[i].end_sites.size());
+    if (norm(end) < 1e-6 && limb.size() == 2) end = s.joints[i].offset;
+    if (norm(end) < 1e-6) continue;
+    names.push_back(s.joints[i].name);
+    for (MeasuredMotion& m : motions) {
+      int parent = static_cast<int>(i);
+      m.skeleton.joints[i].end_sites.clear();
+      Vec3 rest = end;
+      if (limb.size() == 1) {
+        append_rigid(m, s.joints[i].name + "_2", parent, end * 0.5, {});
+        parent = static_cast<int>(m.skeleton.joints.size()) - 1;
+        rest = end * 0.5;
+      }
+      append_rigid(m, s.joints[i].name + "_3", parent, rest * ankle, {rest * (1 - ankle)});
+    }
+  }
+  return names;
+}
+
+std::vector<std::string> add_chest(std::span<MeasuredMotion> motions) {
+  std::vector<std::string> names;
+  const Skeleton& s = motions[0].skeleton;
+  const std::vector<body::NameEvidence> evidence = evidence_of(s);
+  const std::vector<Vec3> rest = rest_positions(s);
+  const std::size_t n = s.joints.size();
+  std::vector<double> depth(n, 0);  // m, length of the longest path below
+  for (std::size_t i = n; i-- > 0;) {
+    for (const Vec3& e : s.joints[i].end_sites) depth[i] = std::max(depth[i], norm(e));
+    if (s.joints[i].parent >= 0) depth[at(s.joints[i].parent)] = std::max(depth[at(s.joints[i].parent)], depth[i] + norm(s.joints[i].offset));
+  }
+  for (std::size_t hub = 0; hub < n; ++hub) {
+    std::vector<std::size_t> limbs;
+    std::vector<std::size_t> heads;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (s.joints[i].parent != static_cast<int>(hub)) continue;
+      bool head = false, other = evidence[i].helper || evidence[i].tail || evidence[i].wing;
+      for (std::size_t k = i; k < n; ++k) {
+        int a = static_cast<int>(k);
+        while (a > static_cast<int>(i)) a = s.joints[at(a)].parent;
+        if (a == static_cast<int>(i)) head = head || evidence[k].part == body::Part::head || evidence[k].part == body::Part::neck;
+      }
+      if (head)
+        heads.push_back(i);
+      else if (!other && depth[i] > 0)
+        limbs.push_back(i);
+    }
+    if (heads.empty() || limbs.size() < 4) continue;
+    // The four longest limbs, the front ones first.
+    std::ranges::sort(limbs, [&](std::size_t a, std::size_t b) { return depth[a] != depth[b] ? depth[a] > depth[b] : a < b; });
+    limbs.resize(4);
+    Vec3 middle;
+    for (const std::size_t i : limbs) middle += rest[i] * 0.25;
+    Vec3 forward = rest[heads[0]] - middle;
+    forward.z = 0;
+    const auto front = [&](std::size_t i) {
+      return (evidence[i].fore ? 1e3 : evidence[i].hind ? -1e3 : 0) + dot(rest[i] - middle, forward);
+    };
+    std::ranges::sort(limbs, [&](std::size_t a, std::size_t b) { return front(a) != front(b) ? front(a) > front(b) : a < b; });
+    const Vec3 chest = (rest[limbs[0]] + rest[limbs[1]]) * 0.5, hips = (rest[limbs[2]] + rest[limbs[3]]) * 0.5;
+    if (depth[limbs[3]] < 0.5 * depth[limbs[0]] || norm(chest - hips) < 0.3 * depth[limbs[0]]) continue;
+    const Vec3 offset = chest - rest[hub];
+    std::vector<std::size_t> moved = {limbs[0], limbs[1]};
+    moved.insert(moved.end(), heads.begin(), heads.end());
+    for (const std::size_t i : {limbs[0], limbs[1]}) names.push_back(s.joints[i].name);
+    for (MeasuredMotion& m : motions) {
+      // The new joint stands directly behind its parent, so that parents precede children.
+      const std::size_t place = hub + 1;
+      std::vector<SkeletonJoint> joints = m.skeleton.joints;
+      for (const std::size_t i : moved) {
+        joints[i].offset -= offset;
+        for (std::size_t f = 0; f < at(m.frames); ++f) m.translations[f * n + i] -= offset;
+      }
+      for (std::size_t i = 0; i < n; ++i) {
+        const bool moves = std::ranges::find(moved, i) != moved.end();
+        if (moves)
+          joints[i].parent = static_cast<int>(place);
+        else if (joints[i].parent >= static_cast<int>(place))
+          ++joints[i].parent;
+      }
+      SkeletonJoint joint;
+      joint.name = s.joints[hub].name + "_chest";
+      joint.parent = static_cast<int>(hub);
+      joint.offset = offset;
+      joints.insert(joints.begin() + static_cast<std::ptrdiff_t>(place), joint);
+      std::vector<Vec3> translations;
+      std::vector<Quat> rotations;
+      for (std::size_t f = 0; f < at(m.frames); ++f)
+        for (std::size_t i = 0; i <= n; ++i) {
+          const std::size_t from = f * n + (i > place ? i - 1 : i);
+          translations.push_back(i == place ? offset : m.translations[from]);
+          rotations.push_back(i == place ? Quat{} : m.rotations[from]);
+        }
+      m.skeleton.joints = std::move(joints);
+      m.translations = std::move(translations);
+      m.rotations = std::move(rotations);
+    }
+    return names;
+  }
+  return names;
+}
+
+}  // namespace ugoki::intake

@@ -1,0 +1,107 @@
+// Rigs with few bones: limbs with one or two bones, and limbs that all have the trunk as their joint.
+#include "ugoki/intake/limb_ends.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "ugoki/body/recognise.h"
+#include "ugoki/intake/arrange.h"
+
+namespace ugoki::intake {
+namespace {
+
+struct Bone {
+  std::string name;
+  int parent;
+  Vec3 offset, end;
+};
+
+/// A motion in which every joint with a parent swings about y, with another phase for each joint.
+MeasuredMotion moving(const std::vector<Bone>& bones) {
+  MeasuredMotion m;
+  m.rate = 30;
+  m.frames = 40;
+  for (const Bone& b : bones) {
+    SkeletonJoint j;
+    j.name = b.name;
+    j.parent = b.parent;
+    j.offset = b.offset;
+    if (norm(b.end) > 0) j.end_sites.push_back(b.end);
+    j.translates = b.parent < 0;
+    m.skeleton.joints.push_back(std::move(j));
+  }
+  for (int f = 0; f < m.frames; ++f)
+    for (std::size_t i = 0; i < bones.size(); ++i) {
+      m.translations.push_back(bones[i].offset);
+      m.rotations.push_back(bones[i].parent < 0 ? Quat{} : axis_angle({0, 1, 0}, 0.2 * std::sin(0.3 * f + 0.9 * static_cast<double>(i))));
+    }
+  return m;
+}
+
+std::vector<Bone> horse(bool names) {
+  std::vector<Bone> b = {{"spine", -1, {0, 0, 1.2}, {}}, {"neck", 0, {0.75, 0, 0.2}, {}}, {"head", 1, {0.5, 0, 0.5}, {0.4, 0, -0.2}},
+                         {"tail", 0, {-0.75, 0, 0.1}, {-0.3, 0, -0.4}}};
+  for (const double fore : {1.0, -1.0})
+    for (const double side : {1.0, -1.0}) {
+      const std::string s = std::string(fore > 0 ? "f" : "h") + (side > 0 ? "l" : "r");
+      const int upper = static_cast<int>(b.size());
+      b.push_back({names ? "up_" + s : "Bone" + std::to_string(upper), 0, {0.6 * fore, 0.2 * side, -0.1}, {}});
+      b.push_back({names ? "lo_" + s : "Bone" + std::to_string(upper + 1), upper, {0, 0, -0.5}, {0, 0, -0.6}});
+    }
+  return b;
+}
+
+TEST(LimbEnds, AHorseOfTwoBonesForEachLegIsFourLegged) {
+  for (const bool names : {true, false}) {
+    std::vector<MeasuredMotion> motions = {moving(horse(names))};
+    EXPECT_EQ(body::recognise_character(motions[0]).plan, body::BodyPlan::other);
+    const MeasuredMotion before = motions[0];
+    std::vector<std::string> report;
+    const body::Character c = arrange(motions, report, nullptr, true);
+    EXPECT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not;
+    EXPECT_NEAR(c.trunk_length, 1.2, 0.05);
+    ASSERT_GE(c.legs[0].end, 0);
+    // The world positions of the file's joints stay the same.
+    std::vector<Pose> X, Y;
+    for (const int f : {0, 17, 39}) {
+      before.calc_joint_poses(f, X);
+      motions[0].calc_joint_poses(f, Y);
+      for (std::size_t i = 0; i < before.skeleton.joints.size(); ++i)
+        for (std::size_t k = 0; k < motions[0].skeleton.joints.size(); ++k)
+          if (before.skeleton.joints[i].name == motions[0].skeleton.joints[k].name) EXPECT_NEAR(norm(X[i].p - Y[k].p), 0, 1e-12);
+    }
+  }
+}
+
+TEST(LimbEnds, ALimbOfOneBoneIsDividedInItsMiddle) {
+  std::vector<MeasuredMotion> motions = {moving({{"root", -1, {0, 0, 1}, {}}, {"leg_l", 0, {0, 0.1, 0}, {0, 0, -0.8}}, {"head", 0, {0, 0, 0.3}, {0, 0, 0.2}}})};
+  EXPECT_EQ(add_limb_ends(motions), (std::vector<std::string>{"leg_l"}));
+  const Skeleton& s = motions[0].skeleton;
+  ASSERT_EQ(s.joints.size(), 5u);
+  EXPECT_EQ(s.joints[3].name, "leg_l_2");
+  EXPECT_NEAR(s.joints[3].offset.z, -0.4, 1e-12);
+  EXPECT_EQ(s.joints[4].parent, 3);
+  EXPECT_NEAR(s.joints[4].offset.z + s.joints[4].end_sites.at(0).z, -0.4, 1e-12);
+}
+
+TEST(LimbEnds, EndsOfMeshesAreNotUsedForACharacterWithFeet) {
+  std::vector<Bone> b = {{"hips", -1, {0, 0, 1}, {}}, {"spine", 0, {0, 0, 0.2}, {}}, {"neck", 1, {0, 0, 0.3}, {}}, {"head", 2, {0, 0, 0.1}, {0, 0, 0.2}}};
+  for (const double side : {1.0, -1.0}) {
+    const std::string s = side > 0 ? ".L" : ".R";
+    const int k = static_cast<int>(b.size());
+    b.push_back({"thigh" + s, 0, {0, 0.1 * side, 0}, {}});
+    b.push_back({"shin" + s, k, {0.01, 0, -0.45}, {}});
+    b.push_back({"foot" + s, k + 1, {-0.01, 0, -0.45}, {0.2, 0, -0.08}});
+    b.push_back({"upper_arm" + s, 1, {0, 0.2 * side, 0.25}, {}});
+    b.push_back({"forearm" + s, k + 3, {0, 0.3 * side, 0}, {}});
+    b.push_back({"hand" + s, k + 4, {0, 0.25 * side, 0}, {0, 0.1 * side, 0}});
+  }
+  std::vector<MeasuredMotion> motions = {moving(b)};
+  std::vector<std::string> report;
+  EXPECT_EQ(arrange(motions, report, nullptr, true).plan, body::BodyPlan::human);
+  for (const SkeletonJoint& j : motions[0].skeleton.joints) EXPECT_TRUE(j.end_sites.empty()) << j.name;
+}
+
+}  // namespace
+}  // namespace ugoki::intake
