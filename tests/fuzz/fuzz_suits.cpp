@@ -1,4 +1,4 @@
-// Fuzz targets SMPL, OpenSim the readers of MVNX, USD and DeepMimic motions.
+// Fuzz targets of the readers of MVNX, SMPL, OpenSim, USD and DeepMimic motions.
 #include <cmath>
 
 #include "fuzz_targets.h"
