@@ -209,28 +209,15 @@ Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::
     }
     before = X;
     if (settings.trace && k % 25 == 0) {
-      // Directions: along the walk of the character, and to its left
-      const Vec3 ahead = normalized(Vec3{state.v[3], state.v[4], 0}, direction), left = cross(Vec3{0, 0, 1}, ahead);
-      std::printf("%7.3f ref %7.3f rate %.2f dcm ahead %6.3f left %6.3f root %6.3f %6.3f %6.3f lower %.3f tilt %.2f limits %d/%d it %d", t,
-                  memory.time, memory.rate, dot(result.dcm_error, ahead), dot(result.dcm_error, left), -error[3], -error[4], -error[5],
-                  memory.lower, std::hypot(error[0], error[1]), result.limits, result.joint_limits, result.iterations);
-      for (std::size_t f = 0; f < stances.size(); ++f) {
-        const control::BalanceState::FootState& foot = memory.feet[f];
-        const Vec3 sole = X[static_cast<std::size_t>(control.feet()[f].link)] * control.feet()[f].sole,
-                   shift{foot.shift[0], foot.shift[1], 0};
-        const Vec3 rest = Vec3{foot.to[0], foot.to[1], foot.to[2]} - sole;  // from the foot to its foothold
-        const Pose& X_foot = X[static_cast<std::size_t>(control.feet()[f].link)];
-        const Vec3 normal = X_foot.R * control.feet()[f].normal;
-        const auto touches = std::ranges::count_if(contacts, [&](const collision::ContactPoint& c) {
-          return c.distance < 1e-3 && std::ranges::count(control.feet()[f].parts, c.system_a == 0 ? c.link_a : c.link_b) > 0;
-        });
-        std::printf(" | %s %ld shift %5.2f %5.2f rest %5.2f %5.2f %5.2f sole ahead %5.2f left %5.2f",
-                    foot.stands   ? (foot.early ? "E" : "S")
-                    : foot.reacts ? "R"
-                                  : "-",
-                    static_cast<long>(touches), dot(shift, ahead), dot(shift, left), dot(rest, ahead), dot(rest, left), rest.z,
-                    dot(normal, ahead), dot(normal, left));
-      }
+      std::printf("%6.3f ref %6.3f rate %.1f q (%.3f %.3f %.3f) ref (%.3f %.3f %.3f) dcm %.3f %.3f it %d res %.1e", t, memory.time,
+                  memory.rate, state.q[0], state.q[1], state.q[2], control.reference()[0], control.reference()[1], control.reference()[2],
+                  result.dcm_error.x, result.dcm_error.y, result.iterations, result.residual);
+      for (std::size_t f = 0; f < stances.size(); ++f)
+        std::printf(" | %d%s shift %.2f %.2f", static_cast<int>(memory.feet[f].stands),
+                    memory.feet[f].early    ? "e"
+                    : memory.feet[f].reacts ? "r"
+                                            : " ",
+                    memory.feet[f].shift[0], memory.feet[f].shift[1]);
       std::printf("\n");
     }
     double tilt = std::hypot(error[0], error[1]);

@@ -99,7 +99,7 @@ void BalanceModel::lift(std::size_t f, BalanceState& state) const {
     foot.shift[k] = foot.place[k] = 0;
     foot.tilt[k] = state.tilt[k];
   }
-  foot.bump = foot.delay = 0;
+  foot.bump = 0;
 }
 
 }  // namespace ugoki::control

@@ -22,12 +22,12 @@ struct BalanceOptions {
   double joint_weight = 1, leg_weight = 0.3;
   double swing_frequency = 45;  ///< rad/s: natural frequency of the errors of swing feet
   double swing_weight = 60, swing_turn_weight = 3;
-  double flat = 0.15, steep = 0.4;                   ///< rad: a sole tilted by less than `flat` is made level; a tilt above `steep` is kept
-  double sole_damping = 40;                          ///< 1/s: decay rate of the velocity of a sole point in stance
-  double sole_weight = 1e5;                          ///< weight of the constraints of standing feet
-  double friction_margin = 0.7;                      ///< fraction of the friction coefficient that forces may use
-  double load_cost = 1e-6;                           ///< cost of a squared edge force, N^-2
-  double touch = 1e-3;                               ///< m: only contact points closer to the ground than this bear load
+  double flat = 0.15, steep = 0.4;  ///< rad: a sole tilted by less than `flat` is made level; a tilt above `steep` is kept
+  double sole_damping = 40;         ///< 1/s: decay rate of the velocity of a sole point in stance
+  double sole_weight = 1e5;         ///< weight of the constraints of standing feet
+  double friction_margin = 0.7;     ///< fraction of the friction coefficient that forces may use
+  double load_cost = 1e-6;          ///< cost of a squared edge force, N^-2
+  double touch = 1e-3;              ///< m: only contact points closer to the ground than this bear load
   double lifting = 0.15;      ///< m/s: no load on a point that, in the reference, rises this much faster than the foot's slowest point
   double lifted = 0.01;       ///< m: no load on a rising point that, in the reference, is this much higher than the foot's lowest point
   double anchor_time = 0.04;  ///< s: time constant with which the anchor follows the foot
@@ -44,10 +44,7 @@ struct BalanceOptions {
   double shift_time = 0.03;   ///< s: time constant with which the shift of the next foothold is updated
   double max_shift = 0.8;     ///< m: maximum shift of the next foothold from its place in the reference
   double hurry = 1, hurry_from = 0.15,
-         max_hurry = 1.4;  ///< 1/m, m, factor: rate of time in a swing = 1 + hurry (shift - hurry_from), between 1 and max_hurry
-  /// m, m/s, factor: if the character is behind its reference by a predicted error of the DCM above wait_from, time runs slower; the larger
-  /// wait_speed, the less; at least at the rate min_wait
-  double wait_from = 0.25, wait_speed = 0.5, min_wait = 0.7;
+         max_hurry = 1.4;         ///< 1/m, m, factor: rate of time in a swing = 1 + hurry (shift - hurry_from), between 1 and max_hurry
   double clearance = 0.01;        ///< m: added to the height of a swing foot in the middle of the swing
   double rough_clearance = 0.05;  ///< m: maximum further height over ground that deviates from the line between both footholds
   double aim_depth = 0.01;        ///< m: a swing foot aims this far below the floor at the end of the swing
@@ -78,7 +75,6 @@ struct BalanceState {
     double lost = 0;               ///< s: time for which the standing foot has had no ground contact
     double offset[3] = {0, 0, 0};  ///< m, world: position of the foot minus that in the reference, when the foot left the ground
     double shift[2] = {0, 0};      ///< m, world: shift of the next touch-down
-    double delay = 0;              ///< s: by how much later than in the reference the foot should land, because the character is behind
     double place[2] = {0, 0};      ///< m, world: further shift, to even ground
     double from[3] = {0, 0, 0};    ///< m, world: where the foot left the ground; z: height of the ground there
     double to[3] = {0, 0, 0};      ///< m, world: foothold; z: height of the ground there

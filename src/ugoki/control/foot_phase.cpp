@@ -40,11 +40,9 @@ void update_phase(const BalanceModel& model, const GroundSupport& support, doubl
       }
     }
     if (foot.early) state.rate = model.options.early_rate;
-    if (!foot.stands && !planned.stands && !foot.reacts && state.rate == 1) {
-      const double rest = planned.end - state.time, shift = norm(Vec3{foot.shift[0], foot.shift[1], 0});
-      state.rate = foot.delay > 0 && std::isfinite(rest)
-                       ? std::max(rest / (rest + foot.delay), model.options.min_wait)
-                       : std::clamp(1 + model.options.hurry * (shift - model.options.hurry_from), 1.0, model.options.max_hurry);
+    if (model.options.hurry > 0 && !foot.stands && !planned.stands && !foot.reacts && state.rate == 1) {
+      const double shift = norm(Vec3{foot.shift[0], foot.shift[1], 0});
+      state.rate = std::clamp(1 + model.options.hurry * (shift - model.options.hurry_from), 1.0, model.options.max_hurry);
     }
   }
   for (std::size_t f = 0; f < model.feet.size(); ++f)

@@ -13,24 +13,6 @@ namespace {
 /// shift (e^x - 1) / x. This error is zero for shift = factor * E.
 double transfer_factor(double x) { return x < 1e-3 ? 1 + 0.5 * x : x * exp(x) / (exp(x) - 1); }
 
-/// s: by how much later than in the reference the next foot should land, if the character is behind its reference. If the touch-down moves
-/// by d, the predicted error E of the DCM becomes E + v d, with v the velocity of the DCM at the touch-down. d minimises |E + v d|^2 +
-/// (wait_speed d)^2. A character that is slower than its reference, for example uphill, thus waits for itself instead of stepping back.
-double touch_down_delay(const BalanceModel& model, const BalanceState& state, const Vec3& dcm_error, double rest) {
-  if (model.flight(state)) return 0;
-  Vec3 support;
-  double count = 0;
-  for (std::size_t f = 0; f < model.feet.size(); ++f)
-    if (state.feet[f].stands) support += horizontal(model.sole(f)), count += 1;
-  if (count == 0) return 0;
-  // DCM of a pendulum on the standing feet
-  const Vec3 from = horizontal(model.centroid.centre + model.centroid.velocity / model.w0) - support / count;
-  const Vec3 v = from * (model.w0 * exp(model.w0 * rest)), error = dcm_error * exp(model.options.shift_growth * rest);
-  const double size = norm(error), slow = model.options.wait_speed;
-  if (size <= model.options.wait_from) return 0;
-  return std::max(0.0, -dot(error, v)) * (1 - model.options.wait_from / size) / (dot(v, v) + slow * slow);
-}
-
 }  // namespace
 
 void StepPlanner::start_reaction(const BalanceModel& model, GroundSupport& support, double dt, BalanceState& state) {
@@ -121,10 +103,8 @@ void StepPlanner::update_shifts(const BalanceModel& model, GroundSupport& suppor
     Vec3 shift = model.flight(state) ? dcm_error * model.options.landing + horizontal(model.centroid.velocity - model.want.velocity) * rest
                                      : dcm_error * (exp(model.options.shift_growth * rest) *
                                                     transfer_factor(model.w0 * std::min(double_support, model.options.max_transfer)));
-    const double delay = touch_down_delay(model, state, dcm_error, rest);
     if (norm(shift) > model.options.max_shift) shift = shift * (model.options.max_shift / norm(shift));
     for (int k = 0; k < 2; ++k) foot.shift[k] += (shift[k] - foot.shift[k]) * std::min(1.0, dt / model.options.shift_time);
-    foot.delay += (delay - foot.delay) * std::min(1.0, dt / model.options.shift_time);
   }
 }
 
