@@ -46,7 +46,7 @@ struct FallOptions {
   double rest_time = 0.3;     ///< s: ... for this time
   double lie_damping = 3;     ///< rad/s: natural frequency whose critical damping acts on the joints of a lying body
   double lie_time = 0.2;      ///< s: the body lies for this time before it gets up
-  bool get_up = true;         ///< the body gets up after it has come to rest
+  bool get_up = false;        ///< the body gets up after it has come to rest
   double ground = 0;          ///< m: height of the ground
   Vec3 gravity{0, 0, -9.81};  ///< m/s^2, world
 };

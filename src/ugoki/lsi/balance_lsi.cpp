@@ -220,6 +220,7 @@ void* make(Setup& s) {
       control::FallOptions protection;
       protection.gravity = world->gravity();
       protection.ground = world->ground().height;
+      protection.get_up = s.number("get up") >= 0.5;
       self->fall.emplace(character->mechanism, protection);
     }
     for (const int link : character->feet) {
@@ -248,8 +249,7 @@ void add_balance(circuit::Library& library) {
   c.doc =
       "Computes joint torques that make a character follow its track on its own feet, without any external force on the root. It plans "
       "steps: the time and the place where a foot lands follow from the balance of the character. A character that can no longer keep its "
-      "balance falls with its hands first. A character with two arms and two legs then gets up and goes on with its track. A character "
-      "without a floating root or "
+      "balance falls with its hands first, and gets up again if the parameter `get up` is 1. A character without a floating root or "
       "without feet follows its track with the torques of its joints alone.";
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
               input_pin("contacts", PinTypeId::contacts, "", "Contact points; those of the feet with the ground support the character.")};
@@ -273,7 +273,10 @@ void add_balance(circuit::Library& library) {
                   number_parameter("momentum weight", usual.momentum_weight, 0.001, 100, "",
                                    "Importance of the angular momentum; less lets the arms and the trunk swing more to keep the balance."),
                   number_parameter("step growth", usual.shift_growth, 0, 6, "1/s",
-                                   "Growth of the error of balance that a step expects until its foot lands. More makes steps wider.")};
+                                   "Growth of the error of balance that a step expects until its foot lands. More makes steps wider."),
+                  number_parameter("get up", 0, 0, 1, "",
+                                   "1: a character that lies gets up and goes on with its track. Adults that lie on their front succeed; many "
+                                   "other bodies and poses fail, and stay on the ground after three tries.")};
   c.configure = [](Setup& s) {
     const Character* character = character_of(s);
     if (!character) return;
