@@ -86,7 +86,7 @@ struct Drives {
   BalanceState balance_memory;
   std::vector<double> tau, gain, velocity;
 
-  explicit Drives(const Lying& body) : fall(body.m, {}), tau(at(body.m->nv())), gain(tau.size()), velocity(tau.size()) {
+  explicit Drives(const Lying& body) : fall(body.m, {.get_up = true}), tau(at(body.m->nv())), gain(tau.size()), velocity(tau.size()) {
     memory.mode = static_cast<std::uint64_t>(FallMode::lie);
   }
   void step(Lying& body, const std::shared_ptr<const ReferenceMotion>& track) {
