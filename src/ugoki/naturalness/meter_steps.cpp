@@ -27,6 +27,8 @@ double knee_angle(const Leg& leg, std::span<const Pose> X) {
 constexpr double rest_speed = 0.1;  // m/s: a standing foot moves up or down more slowly than this
 constexpr double stand_speed = 0.4; // m/s: a foot that is faster does not stand, even if a contact was detected
 constexpr double rest_time = 0.05;   // s: a foot that turns round in the air is slow for a shorter time
+// s: standard deviation of the Gaussian with the half-power frequency of 6 Hz, the low-pass of recordings: sqrt(ln 2) / (2 pi 6 Hz)
+constexpr double force_sigma = 0.0221;
 constexpr double min_stance = 0.15; // s: the ground force of shorter stances has no shape
 
 }  // namespace
@@ -114,6 +116,8 @@ void Meter::lift_off(std::size_t k) {
   leg.stances += 1;
   compare_sides(k);
   if (leg.since < min_stance || sums_.had_forces == 0) return;
+  // The forces of recordings come from motions that were filtered; those of a simulation are compared with the same limits.
+  if (options_.simulated && leg.series.size() > 0) smooth(leg.series, leg.since / leg.series.size(), force_sigma);
   if (const ForceShape shape = fit_force(leg.series); shape.valid) {
     set(MeasureId::force_shape, 100 * shape.residual);
     if (walks() && body_.biped()) set(MeasureId::force_humps, std::max(0.0, shape.humps));

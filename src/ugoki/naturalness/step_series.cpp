@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "ugoki/spatial/elementary.h"
 
@@ -18,6 +19,21 @@ void StepSeries::add(double value) {
   for (int i = 0; i < room / 2; ++i) values[i] = 0.5 * (values[2 * i] + values[2 * i + 1]);
   count = room / 2;
   stride *= 2;
+}
+
+void smooth(StepSeries& series, double interval, double sigma) {
+  const int n = series.size();
+  double kernel[StepSeries::room], total = 0, out[StepSeries::room];
+  for (int k = 0; k < n; ++k) {
+    const double x = k * interval / sigma;
+    kernel[k] = exp(-0.5 * x * x);
+    total += k == 0 ? 1 : 2 * kernel[k];
+  }
+  for (int i = 0; i < n; ++i) {
+    out[i] = 0;
+    for (int j = 0; j < n; ++j) out[i] += kernel[std::abs(i - j)] * series.values[j];
+  }
+  for (int i = 0; i < n; ++i) series.values[i] = out[i] / total;
 }
 
 ForceShape fit_force(const StepSeries& force) {

@@ -16,6 +16,10 @@ struct StepSeries {
   [[nodiscard]] int size() const { return static_cast<int>(count); }
 };
 
+/// Low-pass filter with a Gaussian kernel, without delay. Outside of the series the values are 0, as is a ground force.
+/// @param interval s, between two values @param sigma s, standard deviation of the kernel
+void smooth(StepSeries& series, double interval, double sigma);
+
 /// Shape of a vertical ground force F(t) over a stance: least-squares fit of A (cos(pi t / T) - q cos(3 pi t / T)), |t| < T / 2.
 /// Source: Alexander, Jayes, Fourier analysis of forces exerted in walking and running (1980).
 struct ForceShape {
