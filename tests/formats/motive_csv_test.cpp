@@ -24,7 +24,7 @@ std::string take(const std::string& unit = "Meters", const std::string& first_ro
 TEST(MotiveCsv, ReadsTheLabelledMarkers) {
   ReadNotes notes;
   EXPECT_EQ(csv_kind(take()), CsvKind::points);
-  const auto m = read_csv(take(), "walk.csv", {}, &notes);
+  const auto m = read_csv(take(), "walk.csv", MarkerOptions{}, &notes);
   ASSERT_TRUE(m.has_value()) << m.error().text();
   ASSERT_EQ(m->labels, (std::vector<std::string>{"A:LASI", "A:RASI"}));
   EXPECT_EQ(m->frames, 2);
@@ -36,7 +36,7 @@ TEST(MotiveCsv, ReadsTheLabelledMarkers) {
 }
 
 TEST(MotiveCsv, FollowsTheUnitOfTheHeader) {
-  const auto a = read_csv(take(), "a.csv"), b = read_csv(take("Centimeters"), "b.csv", {.metres_per_unit = 0});
+  const auto a = read_csv(take(), "a.csv"), b = read_csv(take("Centimeters"), "b.csv");
   ASSERT_TRUE(a.has_value() && b.has_value());
   EXPECT_NEAR(a->unit, 1, 1e-12);
 }

@@ -21,7 +21,7 @@ TEST(Intake, KindAndSkeletonFollowFromTheName) {
   EXPECT_EQ(file_kind("m.sdf"), FileKind::robot);
   EXPECT_EQ(file_kind("humanoid.xml"), FileKind::robot);
   EXPECT_EQ(file_kind("bvh"), std::nullopt);
-  EXPECT_EQ(file_kind("walk.bvh.txt"), std::nullopt);
+  EXPECT_EQ(file_kind("walk.bvh.zip"), std::nullopt);
   EXPECT_EQ(skeleton_name_for("data/12_01.amc"), "data/12.asf");
   EXPECT_EQ(skeleton_name_for("a_b/walk.amc"), "a_b/walk.asf");
 }

@@ -45,7 +45,7 @@ const std::string pin = "<PinJoint name='knee'><socket_parent_frame>at_thigh</so
                         coordinate("bend", "-2.4 0.1") + "</coordinates><frames>" + frame("at_thigh", "thigh", "0 -0.4 0", "0 0 0.5") +
                         frame("at_shank", "shank", "0 0.05 0") + "</frames></PinJoint>";
 
-TEST(Osim, PlacesBodiesAsTheJointEquationsSay) {
+TEST(Osim, PlacesBodiesByTheEquationsOfTheirJoints) {
   const auto robot = read_osim(leg(pin), "leg.osim");
   ASSERT_TRUE(robot.has_value()) << robot.error().text();
   const Mechanism& m = *robot->mechanism;

@@ -128,12 +128,6 @@ double MotionControl::apply_free_fall(const Vec3& ahead, Vec6& missing, Vec3& gr
   return share;
 }
 
-Vec6 MotionControl::capped(const Vec6& wanted, double cap) const {
-  const double moment = norm(wanted.w) / lever_, force = norm(wanted.v);
-  const double of_moment = std::min(moment, cap), of_force = std::min(force, std::sqrt(std::max(0.0, cap * cap - of_moment * of_moment)));
-  return {wanted.w * (moment > 0 ? of_moment / moment : 0), wanted.v * (force > 0 ? of_force / force : 0)};
-}
-
 void MotionControl::give_up(const Vec6& lack, const Vec3& gravity, std::span<double> tau) {
   const dynamics::Workspace& ws = workspace_;
   const dynamics::Centroidal body = dynamics::calc_centroidal(*mechanism_, ws);
@@ -222,7 +216,7 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
     const double wanted_size = std::sqrt(dot(out.wanted.v, out.wanted.v) + dot(out.wanted.w, out.wanted.w) / (lever_ * lever_));
     const double cap = options_.assist_limit * weight_;
     out.ratio = cap > 0 ? wanted_size / cap : wanted_size > 1e-9 * weight_ ? 1e9 : 0.0;
-    out.assist = out.ratio > 1 ? capped(out.wanted, cap) : out.wanted;
+    out.assist = out.wanted * (out.ratio > 1 ? 1 / out.ratio : 1.0);
     if (out.ratio > 1) give_up(out.wanted - out.assist, gravity, tau);
     for (std::size_t c = 0; c < supports_.size(); ++c) {
       const Vec6 wrench{cross(supports_[c].p - ws.p0, forces[c]), forces[c]};
@@ -230,11 +224,6 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
         tau[static_cast<std::size_t>(f)] -= dot(ws.S[static_cast<std::size_t>(f)], wrench);
     }
     update_shift(in, forces, ahead, falling, state.shift);
-    if (out.ratio > 1) {  // the root cannot catch up with its path; the path follows the root instead
-      const double share = std::min(1.0, in.dt / options_.lag_time * std::min(1.0, out.ratio - 1));
-      state.shift[0] += (ahead.x - state.shift[0]) * share;
-      state.shift[1] += (ahead.y - state.shift[1]) * share;
-    }
     state.departure += in.dt / options_.patience * (calc_departure(in, ahead, state.shift) - state.departure);
     if (state.departure > 1) {
       state.released = 1;

@@ -50,7 +50,6 @@ struct ControlOptions {
   /// Departure from the reference (calc_departure) from which contacts bear load although the reference lifts or slides them, and the range
   /// over which the conditions of planted_height, planted_speed and sliding_limit fade out.
   double lost_from = 0.1, lost_range = 0.3;
-  double lag_time = 0.3;      ///< s: time constant with which the path of the root follows the root while the wanted assist exceeds its cap
   double release_tilt = 1;    ///< rad: a root that is tilted by more relative to its reference has lost it
   Vec3 gravity{0, 0, -9.81};  ///< m/s^2, world
 };
@@ -117,8 +116,6 @@ class MotionControl {
   /// @param gravity m/s^2, in and out: gravity minus the acceleration of the free fall, for inverse dynamics
   /// @return fraction of the weight that is left to gravity, 0 ... 1
   double apply_free_fall(const Vec3& ahead, Vec6& missing, Vec3& gravity, std::span<double> tau);
-  /// The wanted assist reduced to the cap [N]: the moment first, which keeps the character upright, then the force.
-  [[nodiscard]] Vec6 capped(const Vec6& wanted, double cap) const;
   /// Changes the wanted acceleration of the root so that the character does without the wrench `lack`, and recomputes the torques. The
   /// wanted accelerations of the joints stay the same, so the wrench accelerates the character as one rigid body.
   void give_up(const Vec6& lack, const Vec3& gravity, std::span<double> tau);

@@ -449,7 +449,7 @@ class Parser {
 
   /// Sets GltfSkin::mesh_ends. A mesh that cannot be read is left out.
   void read_mesh_ends() {
-    constexpr std::size_t most = 12'000'000;  // numbers of all meshes
+    constexpr std::size_t max_numbers_of_meshes = 12'000'000;  // numbers of all meshes
     std::size_t numbers = 0;
     const Json &nodes = list("nodes"), &meshes = list("meshes"), &accessors = list("accessors");
     std::vector<std::vector<std::vector<Vec3>>> points(out_.skins.size());  // [skins][joints]
@@ -467,8 +467,8 @@ class Parser {
         const auto position = index(*attributes, "POSITION", accessors.size()), joints = index(*attributes, "JOINTS_0", accessors.size()),
                    weights = index(*attributes, "WEIGHTS_0", accessors.size());
         if (!position || *position < 0 || !joints || *joints < 0 || !weights || *weights < 0) continue;
-        const auto count = index(accessors[static_cast<std::size_t>(*position)], "count", most);
-        if (!count || *count < 1 || (numbers += 11 * static_cast<std::size_t>(*count)) > most) continue;
+        const auto count = index(accessors[static_cast<std::size_t>(*position)], "count", max_numbers_of_meshes);
+        if (!count || *count < 1 || (numbers += 11 * static_cast<std::size_t>(*count)) > max_numbers_of_meshes) continue;
         std::vector<double> x, j, w;
         const bool read = accessor(*position, 3, "meshes", x) && accessor(*joints, 4, "meshes", j) && accessor(*weights, 4, "meshes", w);
         error_ = {};

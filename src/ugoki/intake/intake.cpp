@@ -396,8 +396,8 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
     return fail(ErrorCode::range, location, "Up and forward cannot be the same axis.", "Choose another forward axis.");
   if (!kind)
     return fail(ErrorCode::unsupported, location, "Files with this extension cannot be imported.",
-                "Use a .bvh, .amc (with its .asf), .c3d, .trc, .csv, .gltf, .glb, .fbx, .dae, .usda, .mvnx, .npz, mechanism .json, .urdf, .sdf or "
-                "MJCF .xml file.");
+                "Use a .bvh, .amc (with its .asf), .c3d, .trc, .csv, .gltf, .glb, .fbx, .dae, .usda, .mvnx, .npz, .mot, .sto, .txt (DeepMimic), "
+                "mechanism .json, .urdf, .sdf, .osim or MJCF .xml file.");
   if (auto error = stopped(options, file_name)) return fail(std::move(*error));
   formats::ReadNotes notes;
   switch (*kind) {

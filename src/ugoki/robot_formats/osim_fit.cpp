@@ -62,21 +62,21 @@ class Fit {
     return high - low;
   }
 
-  /// Each free coordinate drives one axis: the rotation, otherwise the translation, with the greatest range.
+  /// Each free coordinate drives one axis: the rotation, otherwise the translation, with the largest range.
   void choose_axes() {
     for (std::size_t c = 0; c < model_.coordinates.size(); ++c) {
       const OsimCoordinate& k = model_.coordinates[c];
       if (k.locked || k.source >= 0) continue;
       int best = -1;
-      double most = still;
+      double widest = still;
       for (int i = 0; i < 6; ++i) {
         const std::vector<int>& list = body_.motion[at(i)].coordinates;
         if (taken_[at(i)] || std::find(list.begin(), list.end(), static_cast<int>(c)) == list.end()) continue;
         if (i >= 3 && best >= 0 && best < 3) break;
         // A linear function is the coordinate itself; a spline usually follows from another axis.
         const double r = range(i, static_cast<int>(c)) * (body_.motion[at(i)].function.kind == OsimFunction::Kind::linear ? 1e3 : 1);
-        if (r > most) {
-          most = r;
+        if (r > widest) {
+          widest = r;
           best = i;
         }
       }

@@ -277,20 +277,20 @@ class Converter {
   /// Replaces the translation of each joint except the roots by its mean.
   void steady_bones(MeasuredMotion& out) {
     const std::size_t n = out.skeleton.joints.size();
-    double most = 0;
+    double max_shift = 0;
     for (std::size_t i = 0; i < bones_.size(); ++i) {
       if (model_.bodies[i].parent < 0) continue;
       Vec3 mean;
       for (std::size_t f = 0; f < at(out.frames); ++f) mean += out.translations[f * n + i];
       mean = mean / out.frames;
       for (std::size_t f = 0; f < at(out.frames); ++f) {
-        most = std::max(most, norm(out.translations[f * n + i] - mean));
+        max_shift = std::max(max_shift, norm(out.translations[f * n + i] - mean));
         out.translations[f * n + i] = mean;
       }
       out.skeleton.joints[i].offset = mean;
     }
-    if (most > 0.001)
-      notes_.remarks.push_back("Joints of the model shift by up to " + std::to_string(static_cast<int>(std::lround(1000 * most))) +
+    if (max_shift > 0.001)
+      notes_.remarks.push_back("Joints of the model shift by up to " + std::to_string(static_cast<int>(std::lround(1000 * max_shift))) +
                                " mm; their mean positions are used.");
   }
 
