@@ -82,8 +82,13 @@ Json run_one(const SceneSource& source, const SweepPlan& plan, const std::vector
   RunReport report;
   for (std::size_t i = 0; i < player.content().characters.size(); ++i) {
     const content::ExecutableCharacter& c = player.content().characters[i];
-    report.characters.push_back(
-        {c.id, c.name, 0, c.control.mode != content::ControlMode::passive && !c.track.empty(), player.measures(static_cast<int>(i)), {}, {}});
+    report.characters.push_back({c.id,
+                                 c.name,
+                                 0,
+                                 c.control.mode != content::ControlMode::passive && !c.track.empty(),
+                                 player.measures(static_cast<int>(i)),
+                                 {},
+                                 {}});
   }
   const content::PlayerMeasures m = report.worst();
   row["tracking_rms_deg"] = m.tracking_rms_deg;

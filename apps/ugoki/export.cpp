@@ -36,10 +36,14 @@ struct Options {
   bool json = false;
 
   [[nodiscard]] std::vector<NamedFile> outputs() const {
-    return {
-        {"--html", html},        {"--native", native},      {"--embed", embed},     {"--ugx", ugx}, {"--glb", glb}, {"--usda", usda},
-        {"--csv", csv},          {"--mjcf", mjcf},          {"--urdf", urdf},       {"--fbx", fbx}, {"--abc", abc}, {"--png", pictures.png},
-        {"--mp4", pictures.mp4}, {"--webm", pictures.webm}, {"--gif", pictures.gif},     {"--fmu", fmu}};
+    return {{"--html", html},        {"--native", native},
+            {"--embed", embed},      {"--ugx", ugx},
+            {"--glb", glb},          {"--usda", usda},
+            {"--csv", csv},          {"--mjcf", mjcf},
+            {"--urdf", urdf},        {"--fbx", fbx},
+            {"--abc", abc},          {"--png", pictures.png},
+            {"--mp4", pictures.mp4}, {"--webm", pictures.webm},
+            {"--gif", pictures.gif}, {"--fmu", fmu}};
   }
   /// The files that this verb reads.
   [[nodiscard]] std::vector<NamedFile> inputs_read() const {
@@ -314,7 +318,10 @@ void add_export_verb(CLI::App& app, Action& action) {
   file("--usda", o->usda, "USD as text: UsdSkel, materials, camera")->group("Other tools");
   file("--csv", o->csv, "Table of all link poses")->group("Other tools");
   file("--fmu", o->fmu, "FMU for co-simulation: Simulink, Modelica tools, FMPy")->group("Other tools");
-  verb->add_option("--fmi", o->fmi_version, "Version of FMI for --fmu")->check(CLI::IsMember({2, 3}))->capture_default_str()->group("Other tools");
+  verb->add_option("--fmi", o->fmi_version, "Version of FMI for --fmu")
+      ->check(CLI::IsMember({2, 3}))
+      ->capture_default_str()
+      ->group("Other tools");
   file("--fbx", o->fbx, "FBX, *.fbx, written by Blender")->group("Other tools")->check(CLI::Validator(has_ending(".fbx"), "*.fbx"));
   file("--abc", o->abc, "Alembic, *.abc, written by a Blender with support for Alembic")
       ->group("Other tools")

@@ -119,9 +119,8 @@ Result<void> write_project(const Options& o, const MechanismPtr& mechanism, cons
 }
 
 int run_gait(const Options& o) {
-  if (Result<void> may = check_outputs({{"body", o.body}}, {{"--out", writes_file(o.out) ? o.out : ""},
-                                                             {"--mechanism-out", o.mechanism_out},
-                                                             {"--project", o.project}});
+  if (Result<void> may = check_outputs(
+          {{"body", o.body}}, {{"--out", writes_file(o.out) ? o.out : ""}, {"--mechanism-out", o.mechanism_out}, {"--project", o.project}});
       !may)
     return print_error(may.error(), o.json);
   if (!o.project.empty() && (o.slope != 0 || o.stairs != 0))
@@ -195,8 +194,7 @@ void add_gait_verb(CLI::App& app, Action& action) {
   verb->add_option("body", o->body, "human, dog, mechanism file (JSON, URDF, SDF, MJCF), measured file, or entry of the library");
   verb->add_option("--height", o->height, "Instead of a body: a person of this height in m")->check(CLI::Range(0.8, 5.0));
   verb->add_option("--kind", o->kind, "walk, run, trot, pace, canter, gallop, rotary, bound, pronk")->capture_default_str();
-  verb->add_option("--speed", o->speed, "m/s (default: a usual speed of the kind)")
-      ->check(number_from(0, 100));
+  verb->add_option("--speed", o->speed, "m/s (default: a usual speed of the kind)")->check(number_from(0, 100));
   verb->add_option("--turn", o->turn, "Degrees per second, positive to the left")->check(number_from(-570, 570))->capture_default_str();
   verb->add_option("--then", o->then, "Further stage TIME,KIND,SPEED,TURN (s, m/s, degrees per second), for example 5,walk,1.5,0");
   verb->add_option("--seconds", o->gait.seconds, "Duration")->check(number_from(0.05, 3600))->capture_default_str();
@@ -204,12 +202,15 @@ void add_gait_verb(CLI::App& app, Action& action) {
   verb->add_flag("--moving", o->moving, "Do not start and end with standing");
   verb->add_option("--style", o->style, "usual, sneak, tired, proud, hurried")->capture_default_str();
   verb->add_option("--path", o->path, "Points X,Y of a path over the ground, in m; the turn rates are then not used")->expected(2, 1000);
-  verb->add_option("--step-height", o->gait.step_height, "Height of the swing feet, m (default: from the table)")->check(number_from(0, 10));
+  verb->add_option("--step-height", o->gait.step_height, "Height of the swing feet, m (default: from the table)")
+      ->check(number_from(0, 10));
   verb->add_option("--stride-time", o->gait.stride_time, "Duration of a stride, s (default: from the table)")->check(number_from(0, 20));
-  verb->add_option("--duty", o->gait.duty, "Share of the stride in which a foot stands (default: from the table)")->check(number_from(0, 0.95));
+  verb->add_option("--duty", o->gait.duty, "Share of the stride in which a foot stands (default: from the table)")
+      ->check(number_from(0, 0.95));
   verb->add_option("--phases", o->phases, "Touch-down of each leg as a share of the stride, in the order of the report")->delimiter(',');
   verb->add_option("--slope", o->slope, "Slope of the ground ahead, degrees")->check(number_from(-30, 30));
-  verb->add_option("--stairs", o->stairs, "Height of the steps of stairs that begin 1 m ahead, m; negative: downwards")->check(number_from(-1, 1));
+  verb->add_option("--stairs", o->stairs, "Height of the steps of stairs that begin 1 m ahead, m; negative: downwards")
+      ->check(number_from(-1, 1));
   verb->add_option("--stair-depth", o->stair_depth, "Depth of a step, m")->check(number_from(0.05, 10))->capture_default_str();
   verb->add_option("--rate", o->gait.rate, "Frames per second")->check(number_from(20, 1000))->capture_default_str();
   verb->add_option("--gravity", o->gait.gravity, "m/s^2")->check(number_from(0.1, 100))->capture_default_str();

@@ -146,10 +146,13 @@ void add_judge_verb(CLI::App& app, Action& action) {
   verb->add_option("target", options->target, "Motion file, motion of the library, *.ugoki or *.ugx")->required();
   verb->add_flag("--kinematic", options->kinematic, "Judge only the recorded motion; do not run it as dynamics");
   verb->add_flag("--strict", options->strict, "Exit status 1 if a measure is over its limit");
-  verb->add_option("--svg", options->svg, "Plots over time: a picture (*.svg), or a folder for one picture of each measure")->type_name("PATH");
-  verb->add_option("--limit", options->limits, "Upper limit of a measure, for example --limit jerk=1.5; may be repeated")->type_name("KEY=NUMBER");
+  verb->add_option("--svg", options->svg, "Plots over time: a picture (*.svg), or a folder for one picture of each measure")
+      ->type_name("PATH");
+  verb->add_option("--limit", options->limits, "Upper limit of a measure, for example --limit jerk=1.5; may be repeated")
+      ->type_name("KEY=NUMBER");
   verb->add_option("--rate", options->rate, "Steps per second")->check(CLI::Range(250.0, 2000.0))->capture_default_str();
-  verb->add_option("--assist-limit", options->assist_limit, "Limit of the root assist of a motion's simulation, body weights (default: 0.5)")
+  verb->add_option("--assist-limit", options->assist_limit,
+                   "Limit of the root assist of a motion's simulation, body weights (default: 0.5)")
       ->check(CLI::Range(0.0, 10.0));
   const auto add_limit = [&](const std::string& measure, MeasureId id, double& limit, const char* about) {
     const naturalness::MeasureInfo& info = naturalness::info_of(id);

@@ -30,7 +30,8 @@ std::string limit_text(const MeasureInfo& info, const naturalness::Limits& limit
 std::vector<BadSpan> worst_spans(const MeasureReport& m, const MeasureInfo& info) {
   std::vector<BadSpan> spans = m.spans;
   const auto excess = [&](const BadSpan& s) { return std::max(s.value - info.now.high, info.now.low - s.value); };
-  std::ranges::sort(spans, [&](const BadSpan& a, const BadSpan& b) { return excess(a) != excess(b) ? excess(a) > excess(b) : a.from < b.from; });
+  std::ranges::sort(spans,
+                    [&](const BadSpan& a, const BadSpan& b) { return excess(a) != excess(b) ? excess(a) > excess(b) : a.from < b.from; });
   return spans;
 }
 
@@ -86,7 +87,10 @@ void print_judgement(const std::vector<JudgedPart>& parts) {
         names += (names.empty() ? "" : ", ") + std::string(info.name);
       } else {
         const Grade grade = m.grade();
-        const char* words = grade == Grade::good ? "good" : grade == Grade::fair ? "fair" : m.total < m.limits.low ? "TOO LITTLE" : "TOO MUCH";
+        const char* words = grade == Grade::good     ? "good"
+                            : grade == Grade::fair   ? "fair"
+                            : m.total < m.limits.low ? "TOO LITTLE"
+                                                     : "TOO MUCH";
         rows.push_back({part.name, info.name, to_fixed(m.total, info.digits), limit_text(info, m.limits), info.unit,
                         std::string(naturalness::name_of(info.total)), words});
       }

@@ -26,6 +26,7 @@ void print_judgement(const std::vector<JudgedPart>& parts);
 struct JudgePicture {
   std::string path, svg;
 };
-[[nodiscard]] std::vector<JudgePicture> judge_pictures(const std::vector<JudgedPart>& parts, const std::string& name, const std::string& path);
+[[nodiscard]] std::vector<JudgePicture> judge_pictures(const std::vector<JudgedPart>& parts, const std::string& name,
+                                                       const std::string& path);
 
 }  // namespace ugoki::cli

@@ -304,8 +304,9 @@ void add_body(CLI::App& verb, Action& action) {
       ->check(CLI::Range(0.1, 30.0));
   command->add_option("--mass", c->common.source.intake.mass, "Mass of the person, kg (default: estimated)")
       ->check(CLI::Range(0.01, 100000.0));
-  command->add_option("--skeleton,--asf", c->common.source.asf,
-                      "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
+  command->add_option(
+      "--skeleton,--asf", c->common.source.asf,
+      "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
   command->footer("Example:\n  ugoki mechanism body walk.bvh --mass 70 -o walker.json");
   command->callback([c, &action] {
     action = [c] {

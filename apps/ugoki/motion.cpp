@@ -135,8 +135,9 @@ CLI::App* add_operation(CLI::App& verb, const char* name, const char* what, cons
                                : "A BVH, AMC, C3D, TRC or glTF file or a motion of the library")
       ->required()
       ->expected(minimum, maximum);
-  command->add_option("--skeleton,--asf", c->source.asf,
-                      "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
+  command->add_option(
+      "--skeleton,--asf", c->source.asf,
+      "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
   command->add_option("--height", c->source.intake.height, "Height of the person in m (default: estimated)")->check(CLI::Range(0.1, 30.0));
   command->add_option("--mass", c->source.intake.mass, "Mass of the person in kg (default: estimated)")->check(CLI::Range(0.01, 100000.0));
   command->add_option("--library", c->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");

@@ -61,7 +61,8 @@ void add_new_verb(CLI::App& app, Action& action) {
   verb->add_option("project", options->path, "The file to create, *.ugoki")->required();
   verb->add_option("--name", options->name, "Name of the content");
   auto* empty = verb->add_flag("--empty", options->empty, "Without the sample content");
-  verb->add_option("--from", options->from, "JSON file with a scenario, mechanisms and motions, for example from the folder examples/content")
+  verb->add_option("--from", options->from,
+                   "JSON file with a scenario, mechanisms and motions, for example from the folder examples/content")
       ->excludes(empty);
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki new park.ugoki");

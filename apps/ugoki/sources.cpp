@@ -134,7 +134,8 @@ Result<TargetKind> kind_of(const std::string& target) {
   const std::optional<intake::FileKind> kind = intake::file_kind(target);
   if (!kind)
     return fail(ErrorCode::unsupported, target, "The kind of this file is unknown.",
-                "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .usda, .mvnx, .npz, .mot, .sto, .txt, .osim, .json, .urdf, .sdf, .xml, .ugoki or .ugx file.");
+                "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .usda, .mvnx, .npz, .mot, .sto, .txt, .osim, .json, .urdf, .sdf, .xml, .ugoki "
+                "or .ugx file.");
   const bool mechanism = *kind == intake::FileKind::mechanism_json || *kind == intake::FileKind::robot;
   return mechanism ? TargetKind::mechanism_file : TargetKind::measured_file;
 }

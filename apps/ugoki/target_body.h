@@ -7,8 +7,8 @@
 
 namespace ugoki::cli {
 
-/// Loads a mechanism: from a mechanism file, an entry of the library (mechanism, or motion with its mechanism), the sample "dog" or "human",
-/// or the body made for a measured file.
+/// Loads a mechanism: from a mechanism file, an entry of the library (mechanism, or motion with its mechanism), the sample "dog" or
+/// "human", or the body made for a measured file.
 /// @param height m: a person of this height; 0: `name` decides
 [[nodiscard]] Result<MechanismPtr> load_body(const std::string& name, double height, const SourceOptions& options);
 

@@ -39,7 +39,11 @@ SceneRow stand_in_wind(double seconds) {
   s.push = {0, 1e9, {20 * ugoki::cos(0.6), 20 * ugoki::sin(0.6), 0}};
   const ClipFile clip = person(false, 1.75);
   const Outcome a = follow(clip, seconds, s), b = follow(clip, std::min(seconds, 3.0), s), c = follow(clip, std::min(seconds, 3.0), s);
-  return {"stand " + std::to_string(static_cast<int>(seconds)) + " s in 20 N of wind", "m", a.travel, "stands, below 0.1", !a.fell && a.travel < 0.1,
+  return {"stand " + std::to_string(static_cast<int>(seconds)) + " s in 20 N of wind",
+          "m",
+          a.travel,
+          "stands, below 0.1",
+          !a.fell && a.travel < 0.1,
           b.hash == c.hash};
 }
 

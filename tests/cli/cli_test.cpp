@@ -226,7 +226,8 @@ TEST_F(CliTest, JudgeComparesWithLimits) {
         continue;
       }
       const double value = m["value"].get<double>();
-      EXPECT_EQ(m["good"].get<bool>(), value <= m["limit"].get<double>() && (m["minimum"].is_null() || value >= m["minimum"].get<double>())) << m;
+      EXPECT_EQ(m["good"].get<bool>(), value <= m["limit"].get<double>() && (m["minimum"].is_null() || value >= m["minimum"].get<double>()))
+          << m;
       for (const Json& span : m["bad"]) EXPECT_LE(span["from"].get<double>(), span["at"].get<double>());
     }
   }

@@ -80,7 +80,8 @@ void fuzz_opensim(const std::uint8_t* data, std::size_t size) {
 void fuzz_deepmimic(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const bool character = text.find("Skeleton") != std::string_view::npos;
-  const auto m = character ? scene_formats::read_deepmimic(R"({"Frames": [[0.1, 0,0.5,0, 1,0,0,0, 0.2], [0, 0,0.6,0, 1,0,0,0, 0.2]]})", "fuzz.txt", text, "character.txt")
+  const auto m = character ? scene_formats::read_deepmimic(R"({"Frames": [[0.1, 0,0.5,0, 1,0,0,0, 0.2], [0, 0,0.6,0, 1,0,0,0, 0.2]]})",
+                                                           "fuzz.txt", text, "character.txt")
                            : scene_formats::read_deepmimic(text, "fuzz.txt");
   if (!m) return check_error(m.error());
   check_motion(*m);

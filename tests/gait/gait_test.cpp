@@ -107,7 +107,8 @@ TEST(Gait, StrideIsPeriodicAndSymmetric) {
   const Vec3 way = X.back()[0].p - X.front()[0].p;
   EXPECT_NEAR(way.x, 1.25 * n / motion.rate, 1e-3);
   EXPECT_NEAR(way.y, 0, 1e-4);
-  for (std::size_t i = 0; i < X.front().size(); ++i) EXPECT_LT(norm(X.back()[i].p - X.front()[i].p - way), 1e-4) << m->link(static_cast<int>(i)).name;
+  for (std::size_t i = 0; i < X.front().size(); ++i)
+    EXPECT_LT(norm(X.back()[i].p - X.front()[i].p - way), 1e-4) << m->link(static_cast<int>(i)).name;
   const int left = m->find_link("LeftFoot"), right = m->find_link("RightFoot");
   ASSERT_EQ(n % 2, 0) << "this test compares frames half a stride apart";
   for (int f = 0; f < n / 2; ++f) {
@@ -118,8 +119,8 @@ TEST(Gait, StrideIsPeriodicAndSymmetric) {
 
 // While a foot is flat it does not move; in the rest of its stance its lowest point rolls without slipping.
 TEST(Gait, StandingFeetDoNotSlide) {
-  for (const auto& [m, kind, speed, turn] : {std::tuple{person(), GaitKind::walk, 1.25, 0.0}, {person(), GaitKind::walk, 1.0, 0.785},
-                                             {person(), GaitKind::walk, 0.6, 0.0}}) {
+  for (const auto& [m, kind, speed, turn] :
+       {std::tuple{person(), GaitKind::walk, 1.25, 0.0}, {person(), GaitKind::walk, 1.0, 0.785}, {person(), GaitKind::walk, 0.6, 0.0}}) {
     const Motion motion = make_gait(m, stride_of(kind, speed, turn)).value();
     const std::vector<std::vector<Pose>> X = poses_of(*m, motion);
     for (const ContactTrack& track : motion.contacts) {

@@ -105,7 +105,7 @@ TEST(Recipes, AreFollowedInAnyOrderAndRefusedIfTheyNeedThemselves) {
   refused(small + R"("motions": {"mirrored": {"operation": "mirror", "motion": "mirrored", "of": "small"}})", "needs its own result");
   refused(small + R"("motions": {"mirrored": {"operation": "twist", "motion": "human-walk", "of": "human"}})", "no operation 'twist'");
   refused(small + R"("motions": {"mirrored": {"operation": "mirror", "motion": "nothing", "of": "small"}})",
-       "does not define the motion 'nothing'");
+          "does not define the motion 'nothing'");
   refused(R"("motions": {})", "does not define the mechanism 'small'");
   refused(R"("mechanisms": {"small": {"scale": "small", "factor": 2}})", "needs its own result");
   refused(R"("mechanisms": {"small": {"person": "tall"}})", "person");

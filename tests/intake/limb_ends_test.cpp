@@ -40,7 +40,9 @@ MeasuredMotion moving(const std::vector<Bone>& bones) {
 }
 
 std::vector<Bone> horse(bool names) {
-  std::vector<Bone> b = {{"spine", -1, {0, 0, 1.2}, {}}, {"neck", 0, {0.75, 0, 0.2}, {}}, {"head", 1, {0.5, 0, 0.5}, {0.4, 0, -0.2}},
+  std::vector<Bone> b = {{"spine", -1, {0, 0, 1.2}, {}},
+                         {"neck", 0, {0.75, 0, 0.2}, {}},
+                         {"head", 1, {0.5, 0, 0.5}, {0.4, 0, -0.2}},
                          {"tail", 0, {-0.75, 0, 0.1}, {-0.3, 0, -0.4}}};
   for (const double fore : {1.0, -1.0})
     for (const double side : {1.0, -1.0}) {
@@ -75,7 +77,8 @@ TEST(LimbEnds, AHorseOfTwoBonesForEachLegIsFourLegged) {
 }
 
 TEST(LimbEnds, ALimbOfOneBoneIsDividedInItsMiddle) {
-  std::vector<MeasuredMotion> motions = {moving({{"root", -1, {0, 0, 1}, {}}, {"leg_l", 0, {0, 0.1, 0}, {0, 0, -0.8}}, {"head", 0, {0, 0, 0.3}, {0, 0, 0.2}}})};
+  std::vector<MeasuredMotion> motions = {
+      moving({{"root", -1, {0, 0, 1}, {}}, {"leg_l", 0, {0, 0.1, 0}, {0, 0, -0.8}}, {"head", 0, {0, 0, 0.3}, {0, 0, 0.2}}})};
   EXPECT_EQ(add_limb_ends(motions), (std::vector<std::string>{"leg_l"}));
   const Skeleton& s = motions[0].skeleton;
   ASSERT_EQ(s.joints.size(), 5u);
@@ -86,7 +89,8 @@ TEST(LimbEnds, ALimbOfOneBoneIsDividedInItsMiddle) {
 }
 
 TEST(LimbEnds, EndsOfMeshesAreNotUsedForACharacterWithFeet) {
-  std::vector<Bone> b = {{"hips", -1, {0, 0, 1}, {}}, {"spine", 0, {0, 0, 0.2}, {}}, {"neck", 1, {0, 0, 0.3}, {}}, {"head", 2, {0, 0, 0.1}, {0, 0, 0.2}}};
+  std::vector<Bone> b = {
+      {"hips", -1, {0, 0, 1}, {}}, {"spine", 0, {0, 0, 0.2}, {}}, {"neck", 1, {0, 0, 0.3}, {}}, {"head", 2, {0, 0, 0.1}, {0, 0, 0.2}}};
   for (const double side : {1.0, -1.0}) {
     const std::string s = side > 0 ? ".L" : ".R";
     const int k = static_cast<int>(b.size());

@@ -189,7 +189,8 @@ TEST(MeasureList, KeysAreUniqueAndLimitsAreOrdered) {
   for (const MeasureInfo& info : measure_list()) {
     EXPECT_EQ(find_measure(info.key), &info);
     EXPECT_EQ(&info_of(info.id), &info);
-    for (const Limits& l : {info.limits, info.now}) EXPECT_TRUE(l.low <= l.good_low && l.good_low <= l.good_high && l.good_high <= l.high) << info.name;
+    for (const Limits& l : {info.limits, info.now})
+      EXPECT_TRUE(l.low <= l.good_low && l.good_low <= l.good_high && l.good_high <= l.high) << info.name;
   }
   EXPECT_EQ(find_measure("charm"), nullptr);
   for (int r = 0; r <= static_cast<int>(Reason::no_walk); ++r) EXPECT_FALSE(reason_words(value_of(static_cast<Reason>(r))).empty());

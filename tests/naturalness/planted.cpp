@@ -49,7 +49,6 @@ Motion nodding(const Mechanism& m, const Motion& clean) {
   return out;
 }
 
-
 /// A hip shakes by 30 degrees, five times per second.
 Motion shaking(const Mechanism& m, const Motion& clean) {
   Motion out = clean;
@@ -113,7 +112,8 @@ Motion from_correction(const char* name, const Mechanism& m, const Motion& clean
 }
 template <int I>
 Motion plant(const Mechanism& m, const Motion& clean) {
-  static constexpr const char* names[] = {"floating", "sliding", "gravity", "jerky", "floor", "limbs", "penetrating", "popping", "drifting", "mistimed"};
+  static constexpr const char* names[] = {"floating", "sliding",     "gravity", "jerky",    "floor",
+                                          "limbs",    "penetrating", "popping", "drifting", "mistimed"};
   return from_correction(names[I], m, clean);
 }
 
@@ -140,9 +140,8 @@ const std::vector<Planted>& walk_faults() {
 
 const std::vector<Planted>& flight_faults() {
   using enum MeasureId;
-  static const std::vector<Planted> all = {{"heavy", plant<2>, {flight_gravity}},
-                                           {"slow flight", slow_flight, {flight_gravity}},
-                                           {"stopping", stopping, {flight_speed}}};
+  static const std::vector<Planted> all = {
+      {"heavy", plant<2>, {flight_gravity}}, {"slow flight", slow_flight, {flight_gravity}}, {"stopping", stopping, {flight_speed}}};
   return all;
 }
 

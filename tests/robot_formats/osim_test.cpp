@@ -35,15 +35,17 @@ std::string model(const std::string& bodies, const std::string& joints, const st
 }
 /// A body that moves freely in the plane, and a shank with the given knee.
 std::string leg(const std::string& knee) {
-  const std::string planar = "<PlanarJoint name='root'><socket_parent_frame>/ground</socket_parent_frame><socket_child_frame>thigh"
-                             "</socket_child_frame><coordinates>" +
-                             coordinate("tilt") + coordinate("tx", "-5 5") + coordinate("ty", "-1 3") + "</coordinates></PlanarJoint>";
+  const std::string planar =
+      "<PlanarJoint name='root'><socket_parent_frame>/ground</socket_parent_frame><socket_child_frame>thigh"
+      "</socket_child_frame><coordinates>" +
+      coordinate("tilt") + coordinate("tx", "-5 5") + coordinate("ty", "-1 3") + "</coordinates></PlanarJoint>";
   return model(body("thigh", "7") + body("shank", "3.5"), planar + knee);
 }
-const std::string pin = "<PinJoint name='knee'><socket_parent_frame>at_thigh</socket_parent_frame><socket_child_frame>at_shank"
-                        "</socket_child_frame><coordinates>" +
-                        coordinate("bend", "-2.4 0.1") + "</coordinates><frames>" + frame("at_thigh", "thigh", "0 -0.4 0", "0 0 0.5") +
-                        frame("at_shank", "shank", "0 0.05 0") + "</frames></PinJoint>";
+const std::string pin =
+    "<PinJoint name='knee'><socket_parent_frame>at_thigh</socket_parent_frame><socket_child_frame>at_shank"
+    "</socket_child_frame><coordinates>" +
+    coordinate("bend", "-2.4 0.1") + "</coordinates><frames>" + frame("at_thigh", "thigh", "0 -0.4 0", "0 0 0.5") +
+    frame("at_shank", "shank", "0 0.05 0") + "</frames></PinJoint>";
 
 TEST(Osim, PlacesBodiesByTheEquationsOfTheirJoints) {
   const auto robot = read_osim(leg(pin), "leg.osim");
@@ -71,8 +73,9 @@ TEST(Osim, PlacesBodiesByTheEquationsOfTheirJoints) {
 }
 
 TEST(Osim, OldFilesGiveTheSameMechanism) {
-  const std::string joint = "<location_in_parent>0 -0.4 0</location_in_parent><orientation_in_parent>0 0 0.5</orientation_in_parent>"
-                            "<location>0 0.05 0</location><orientation>0 0 0</orientation>";
+  const std::string joint =
+      "<location_in_parent>0 -0.4 0</location_in_parent><orientation_in_parent>0 0 0.5</orientation_in_parent>"
+      "<location>0 0.05 0</location><orientation>0 0 0</orientation>";
   const std::string old =
       "<OpenSimDocument Version='30000'><Model name='m'><BodySet><objects><Body name='ground'><mass>0</mass></Body>"
       "<Body name='thigh'><mass>7</mass><mass_center>0 -0.2 0</mass_center><inertia_xx>0.02</inertia_xx><inertia_yy>0.01</inertia_yy>"
@@ -104,11 +107,12 @@ TEST(Osim, SplineThroughACubicIsTheCubic) {
     std::snprintf(text, sizeof text, "%.17g ", cubic(k));
     y += text;
   }
-  const std::string knee = "<CustomJoint name='knee'><socket_parent_frame>thigh</socket_parent_frame><socket_child_frame>shank"
-                           "</socket_child_frame><coordinates>" +
-                           coordinate("bend", "-1 2") + "</coordinates><SpatialTransform>" + axis("rotation1", "bend", "0 0 1", linear) +
-                           axis("translation1", "bend", "1 0 0", "<SimmSpline name='function'><x>" + x + "</x><y>" + y + "</y></SimmSpline>") +
-                           "</SpatialTransform></CustomJoint>";
+  const std::string knee =
+      "<CustomJoint name='knee'><socket_parent_frame>thigh</socket_parent_frame><socket_child_frame>shank"
+      "</socket_child_frame><coordinates>" +
+      coordinate("bend", "-1 2") + "</coordinates><SpatialTransform>" + axis("rotation1", "bend", "0 0 1", linear) +
+      axis("translation1", "bend", "1 0 0", "<SimmSpline name='function'><x>" + x + "</x><y>" + y + "</y></SimmSpline>") +
+      "</SpatialTransform></CustomJoint>";
   XmlFields xml("m.osim", "OpenSim");
   ASSERT_TRUE(xml.parse(leg(knee)));
   OsimModel m;
@@ -134,11 +138,12 @@ TEST(Osim, FindsTheHingeOfAJointThatFollowsCurves) {
     x += text[0], tx += text[1], ty += text[2];
   }
   const auto spline = [&](const std::string& y) { return "<SimmSpline name='f'><x>" + x + "</x><y>" + y + "</y></SimmSpline>"; };
-  const std::string knee = "<CustomJoint name='knee'><socket_parent_frame>thigh</socket_parent_frame><socket_child_frame>shank"
-                           "</socket_child_frame><coordinates>" +
-                           coordinate("bend", "-2 2") + "</coordinates><SpatialTransform>" + axis("rotation1", "bend", "0 0 1", linear) +
-                           axis("translation1", "bend", "1 0 0", spline(tx)) + axis("translation2", "bend", "0 1 0", spline(ty)) +
-                           "</SpatialTransform></CustomJoint>";
+  const std::string knee =
+      "<CustomJoint name='knee'><socket_parent_frame>thigh</socket_parent_frame><socket_child_frame>shank"
+      "</socket_child_frame><coordinates>" +
+      coordinate("bend", "-2 2") + "</coordinates><SpatialTransform>" + axis("rotation1", "bend", "0 0 1", linear) +
+      axis("translation1", "bend", "1 0 0", spline(tx)) + axis("translation2", "bend", "0 1 0", spline(ty)) +
+      "</SpatialTransform></CustomJoint>";
   XmlFields xml("m.osim", "OpenSim");
   ASSERT_TRUE(xml.parse(leg(knee)));
   OsimModel m;
@@ -163,7 +168,8 @@ TEST(Osim, ChoosesTheJointTypesOfTheirAxes) {
   const auto make = [](const std::string& kind, int count, const std::string& inside = "") {
     std::string c;
     for (int i = 0; i < count; ++i) c += coordinate("q" + std::to_string(i));
-    return "<" + kind + " name='j'><socket_parent_frame>/ground</socket_parent_frame><socket_child_frame>a</socket_child_frame><coordinates>" + c +
+    return "<" + kind +
+           " name='j'><socket_parent_frame>/ground</socket_parent_frame><socket_child_frame>a</socket_child_frame><coordinates>" + c +
            "</coordinates>" + inside + "</" + kind + ">";
   };
   EXPECT_EQ(type(make("WeldJoint", 0)), "fixed");
@@ -171,8 +177,9 @@ TEST(Osim, ChoosesTheJointTypesOfTheirAxes) {
   EXPECT_EQ(type(make("UniversalJoint", 2)), "universal");
   EXPECT_EQ(type(make("BallJoint", 3)), "spherical");
   EXPECT_EQ(type(make("FreeJoint", 6)), "floating");
-  EXPECT_EQ(type(make("CustomJoint", 2, "<SpatialTransform>" + axis("rotation1", "q0", "0 0 1", linear) + axis("translation3", "q1", "0 0 1", linear) +
-                                            axis("rotation2", "", "1 0 0", zero) + "</SpatialTransform>")),
+  EXPECT_EQ(type(make("CustomJoint", 2,
+                      "<SpatialTransform>" + axis("rotation1", "q0", "0 0 1", linear) + axis("translation3", "q1", "0 0 1", linear) +
+                          axis("rotation2", "", "1 0 0", zero) + "</SpatialTransform>")),
             "prismatic revolute");
 }
 
@@ -185,10 +192,14 @@ TEST(Osim, NamesFaults) {
   refused("<robot/>", "not an OpenSim model");
   refused(model("", ""), "no <Body>");
   refused(model(body("a") + body("a"), ""), "Two bodies are named 'a'");
-  refused(model(body("a"), "<PinJoint name='j'><socket_parent_frame>/ground</socket_parent_frame><socket_child_frame>b</socket_child_frame></PinJoint>"),
-          "child frame");
-  refused(model(body("a"), "<PinJoint name='j'><socket_parent_frame>/ground</socket_parent_frame><socket_child_frame>a</socket_child_frame></PinJoint>"),
-          "needs 1");
+  refused(
+      model(body("a"),
+            "<PinJoint name='j'><socket_parent_frame>/ground</socket_parent_frame><socket_child_frame>b</socket_child_frame></PinJoint>"),
+      "child frame");
+  refused(
+      model(body("a"),
+            "<PinJoint name='j'><socket_parent_frame>/ground</socket_parent_frame><socket_child_frame>a</socket_child_frame></PinJoint>"),
+      "needs 1");
 }
 
 }  // namespace

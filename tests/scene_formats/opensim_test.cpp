@@ -91,7 +91,8 @@ TEST(OpenSimMotion, NamesFaults) {
 
 /// A frame of the humanoid: all joints straight except one knee, and the root turned about the vertical.
 std::string humanoid_frame(double duration, double x, double yaw, double knee) {
-  std::string out = "[" + to_text(duration) + "," + to_text(x) + ",0.9,0.1," + to_text(std::cos(yaw / 2)) + ",0," + to_text(std::sin(yaw / 2)) + ",0";
+  std::string out =
+      "[" + to_text(duration) + "," + to_text(x) + ",0.9,0.1," + to_text(std::cos(yaw / 2)) + ",0," + to_text(std::sin(yaw / 2)) + ",0";
   const std::string straight = ",1,0,0,0";
   out += straight + straight + straight + "," + to_text(knee) + straight + straight + ",0";  // chest, neck, right leg, right arm
   return out + straight + ",0" + straight + straight + ",0]";
@@ -116,12 +117,13 @@ TEST(DeepMimic, GivesTheWorldPositionsOfTheHumanoid) {
     // Before the yaw: the hip is 0.084887 to the right, the knee below it; a negative angle about z (to the right) swings the shank back.
     const double yaw = 0.1 * f, bend = -0.2 * f;
     const auto world = [&](double forward, double right, double up) {
-      return Vec3{0.03 * f + std::cos(yaw) * forward + std::sin(yaw) * right, -0.1 - (-std::sin(yaw) * forward + std::cos(yaw) * right), 0.9 + up};
+      return Vec3{0.03 * f + std::cos(yaw) * forward + std::sin(yaw) * right, -0.1 - (-std::sin(yaw) * forward + std::cos(yaw) * right),
+                  0.9 + up};
     };
     EXPECT_NEAR(norm(X[static_cast<std::size_t>(knee)].p - world(0, 0.084887, -0.421546)), 0, 1e-9);
-    EXPECT_NEAR(norm(X[static_cast<std::size_t>(ankle)].p -
-                     world(0.40987 * std::sin(bend), 0.084887, -0.421546 - 0.40987 * std::cos(bend))),
-                0, 1e-9);
+    EXPECT_NEAR(
+        norm(X[static_cast<std::size_t>(ankle)].p - world(0.40987 * std::sin(bend), 0.084887, -0.421546 - 0.40987 * std::cos(bend))), 0,
+        1e-9);
   }
 }
 

@@ -35,7 +35,8 @@ TEST(Usd, PosesAreThoseOfTheFile) {
   EXPECT_EQ(m->skeleton.joints[2].parent, 1);
   EXPECT_EQ(notes.metres_per_unit, 0.01);
   EXPECT_FALSE(notes.z_up);
-  // The file turns the model by 90 degrees about Y, through the point (0, 0, 5), and then moves it along X. Y up: (x, y, z) becomes (z, x, y).
+  // The file turns the model by 90 degrees about Y, through the point (0, 0, 5), and then moves it along X. Y up: (x, y, z) becomes (z, x,
+  // y).
   for (int f = 0; f < 3; ++f) {
     const double swing = f * pi / 2, travel = 10.0 * f;
     const auto world = [&](double y, double z) {  // of a point (0, y, z) of the model; the rotation turns Z to X

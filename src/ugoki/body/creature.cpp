@@ -280,7 +280,8 @@ class Maker {
         if (s.type != ShapeType::capsule && s.type != ShapeType::sphere) continue;
         lows.clear();
         for (const auto& pose : poses)
-          lows.push_back(std::min((pose[at(i)] * (s.X_BS * Vec3{0, 0, -s.half_length})).z, (pose[at(i)] * (s.X_BS * Vec3{0, 0, s.half_length})).z));
+          lows.push_back(
+              std::min((pose[at(i)] * (s.X_BS * Vec3{0, 0, -s.half_length})).z, (pose[at(i)] * (s.X_BS * Vec3{0, 0, s.half_length})).z));
         const auto low = lows.begin() + static_cast<std::ptrdiff_t>(lows.size() / 50);
         std::nth_element(lows.begin(), low, lows.end());
         const double clearance = *low - floor_;

@@ -44,10 +44,10 @@ std::vector<std::string> words_of(const std::string& name) {
 
 /// Side that a word names: 1 left, -1 right, 0 none.
 int side_of_word(std::string_view w) {
-  static constexpr std::array left = {"l",      "left", "lt",        "lft",       "lf",       "li",      "links",   "fl", "hl", "bl",
-                                      "gauche", "izq",  "izquierda", "izquierdo", "sinistra", "sinister"};
-  static constexpr std::array right = {"r",      "right", "rt",  "rgt",     "rf",      "re",     "rechts", "fr", "hr", "br",
-                                       "droite", "droit", "der", "derecha", "derecho", "destra", "dexter"};
+  static constexpr std::array left = {"l",  "left", "lt",     "lft", "lf",        "li",        "links",    "fl",
+                                      "hl", "bl",   "gauche", "izq", "izquierda", "izquierdo", "sinistra", "sinister"};
+  static constexpr std::array right = {"r",  "right",  "rt",    "rgt", "rf",      "re",      "rechts", "fr",    "hr",
+                                       "br", "droite", "droit", "der", "derecha", "derecho", "destra", "dexter"};
   for (const char* s : left)
     if (w == s) return 1;
   for (const char* s : right)
@@ -279,8 +279,10 @@ NameEvidence evidence_of(const std::vector<std::string>& words) {
     out.wing = out.wing || word.find("wing") != std::string::npos || word.find("feather") != std::string::npos;
     out.paw = out.paw || word == "paw" || word == "hoof" || word == "claw" || word == "pfote" || word == "fetlock" || word == "pastern" ||
               word == "hock";
-    out.fore = out.fore || word == "front" || word == "fore" || word == "frt" || word == "anterior" || word == "forward" || word == "fl" || word == "fr";
-    out.hind = out.hind || word == "hind" || word == "rear" || word == "posterior" || word == "bck" || word == "hl" || word == "hr" || word == "bl" || word == "br";
+    out.fore = out.fore || word == "front" || word == "fore" || word == "frt" || word == "anterior" || word == "forward" || word == "fl" ||
+               word == "fr";
+    out.hind = out.hind || word == "hind" || word == "rear" || word == "posterior" || word == "bck" || word == "hl" || word == "hr" ||
+               word == "bl" || word == "br";
     back = back || word == "back" || word == "backward";
     joined += word;
   }

@@ -46,8 +46,8 @@ struct PlayerMeasures {
   double assist_now_bw = 0;     ///< root assist, body weights; 0 after the release
   double slip_now_cm = 0;       ///< maximum net slip of the present stances
   double depth_now_mm = 0;      ///< maximum depth in the ground
-  /// All measures of naturalness/measure_list.h, in its order: of the run (negative: naturalness::reason_words()) and of the present instant
-  /// (negative: no value).
+  /// All measures of naturalness/measure_list.h, in its order: of the run (negative: naturalness::reason_words()) and of the present
+  /// instant (negative: no value).
   std::array<double, naturalness::measure_count> totals = {}, now = {};
 };
 

@@ -46,7 +46,8 @@ struct ControlOptions {
   double return_time = 2;    ///< s: time constant with which the shift decays
   /// Fraction of lever(): a root that is deeper below the reference, or farther away from its shifted reference horizontally, has lost it.
   double fall_depth = 0.5;
-  double flight_depth = 0.25;  ///< fraction of lever(): depth of the root below the reference at which free fall without support has faded out
+  double flight_depth =
+      0.25;  ///< fraction of lever(): depth of the root below the reference at which free fall without support has faded out
   /// Departure from the reference (calc_departure) from which contacts bear load although the reference lifts or slides them, and the range
   /// over which the conditions of planted_height, planted_speed and sliding_limit fade out.
   double lost_from = 0.1, lost_range = 0.3;
@@ -135,7 +136,7 @@ class MotionControl {
   double lever_ = 1;
   double weight_ = 0;  // N
   bool floating_ = false;
-  double lost_ = 0;  // 0: follows the reference; 1: has lost it, so that all contacts bear load
+  double lost_ = 0;             // 0: follows the reference; 1: has lost it, so that all contacts bear load
   std::vector<double> wanted_;  // [nv] accelerations, m/s^2 | rad/s^2
   std::vector<double> displacement_;
   std::vector<int> undriven_;              // velocity indices of the joint DOFs without a drive

@@ -313,8 +313,7 @@ class Parser {
     const auto given = index(views[static_cast<std::size_t>(*which)], "byteStride", 4096);
     std::span<const std::byte> bytes;
     if (!bytes_of_view(static_cast<std::size_t>(*which), location, bytes)) return false;
-    if (!given)
-      return refuse(ErrorCode::structure, path("bufferViews", static_cast<std::size_t>(*which)), "The stride is out of range.");
+    if (!given) return refuse(ErrorCode::structure, path("bufferViews", static_cast<std::size_t>(*which)), "The stride is out of range.");
     const std::size_t stride = *given > 0 ? static_cast<std::size_t>(*given) : size * components;
     if (offset + (count - 1) * stride + size * components > bytes.size())
       return refuse(ErrorCode::truncated, location, "The accessor extends beyond its buffer.",
@@ -562,7 +561,7 @@ class Parser {
   std::span<const std::byte> binary_;
   std::vector<std::vector<std::byte>> buffers_;
   std::map<std::size_t, std::vector<std::byte>> unpacked_;  ///< by index of the buffer view
-  std::size_t read_ = 0;  ///< number of values read so far, over all accessors
+  std::size_t read_ = 0;                                    ///< number of values read so far, over all accessors
   GltfDocument out_;
 };
 

@@ -32,9 +32,7 @@ class Reader {
  public:
   Reader(std::string_view text, Problems& problems, ReadNotes& notes) : scan_(text), problems_(problems), notes_(notes) {}
 
-  bool read(MarkerMotion& motion, double& metres) {
-    return read_head(motion, metres) && read_columns(motion) && read_rows(motion);
-  }
+  bool read(MarkerMotion& motion, double& metres) { return read_head(motion, metres) && read_columns(motion) && read_rows(motion); }
 
  private:
   bool refuse(ErrorCode code, const std::string& message, const std::string& remedy) {
@@ -78,7 +76,8 @@ class Reader {
       if (equal_ignoring_case(rows.back()[0], "Frame")) break;
     }
     if (rows.size() < 4)
-      return refuse(ErrorCode::structure, "The rows with types, names and quantities of the columns are missing.", "Export the take again.");
+      return refuse(ErrorCode::structure, "The rows with types, names and quantities of the columns are missing.",
+                    "Export the take again.");
     const auto &types = rows.front(), &names = rows[1], &quantities = rows[rows.size() - 2], &axes = rows.back();
     width_ = axes.size();
     const auto at = [](const std::vector<std::string_view>& row, std::size_t i) { return i < row.size() ? row[i] : std::string_view(); };
@@ -104,8 +103,7 @@ class Reader {
     }
     if (points_.empty())
       return refuse(ErrorCode::structure, "The file has no positions of markers.", "Export the take with its markers, or as BVH.");
-    if (others > 0)
-      notes_.remarks.push_back(std::to_string(others) + " rigid bodies or bones are left out; the markers are read.");
+    if (others > 0) notes_.remarks.push_back(std::to_string(others) + " rigid bodies or bones are left out; the markers are read.");
     for (const Point& p : points_) motion.labels.push_back(p.name);
     return true;
   }

@@ -10,11 +10,11 @@ namespace ugoki::gait {
 
 /// What one frame demands of the centre of mass.
 struct CentreFrame {
-  Vec3 pressure;       ///< m: centre of pressure
-  double load = 1;     ///< vertical ground force divided by the mass, m/s^2; 0 in flight
-  double height = 1;   ///< m: height of the centre of mass above the centre of pressure
-  Vec3 moment;         ///< m^2/s^2: rate of the angular momentum divided by the mass
-  double share = 1;    ///< share of the force of a pendulum: 1, or less if the trunk pitches instead
+  Vec3 pressure;      ///< m: centre of pressure
+  double load = 1;    ///< vertical ground force divided by the mass, m/s^2; 0 in flight
+  double height = 1;  ///< m: height of the centre of mass above the centre of pressure
+  Vec3 moment;        ///< m^2/s^2: rate of the angular momentum divided by the mass
+  double share = 1;   ///< share of the force of a pendulum: 1, or less if the trunk pitches instead
 };
 
 /// Solves height c'' = share load (c - p) + (-H'_y, H'_x) / m in both horizontal directions (a pendulum with the given centre of

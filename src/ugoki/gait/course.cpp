@@ -14,9 +14,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 double fraction(double x) { return x - std::floor(x); }
 
 /// Load of a leg over its stance: rises and falls smoothly within the share `ramp` at both ends.
-double load_of(double share, double ramp) {
-  return smooth_step(std::min(share, 1 - share) / std::max(ramp, 1e-6));
-}
+double load_of(double share, double ramp) { return smooth_step(std::min(share, 1 - share) / std::max(ramp, 1e-6)); }
 
 /// Moving average over `half` frames before and after each frame.
 void smooth(std::vector<double>& x, int half) {
@@ -89,7 +87,8 @@ class Maker {
     const double unit = std::sqrt(w_.hip_height / 0.9);  // Froude scaling of times
     // A change of speed takes 1.4 s for a human: about 0.1 g. It begins at the time of its stage.
     const int half = static_cast<int>(0.35 * unit * o_.rate);
-    const double delay = o_.one_stride ? 0 : 2 * half / o_.rate, closing = 2 * delay + 0.3 * unit + 1.4 * pattern(final.kind, 0).stride_time;
+    const double delay = o_.one_stride ? 0 : 2 * half / o_.rate,
+                 closing = 2 * delay + 0.3 * unit + 1.4 * pattern(final.kind, 0).stride_time;
     for (int f = 0; f < n; ++f) {
       const double t = (f - c_.first) / o_.rate;
       const GaitStage* stage = &o_.stages.front();
@@ -165,9 +164,9 @@ class Maker {
       duty_[at(f)] = duty;
       b.stride_time = o_.one_stride ? stride_frames_ / o_.rate : time;
       b.run = w_.biped ? share(GaitKind::run, f) : 0;
-      b.spring = w_.legs.size() == 4 ? share(GaitKind::canter, f) + share(GaitKind::gallop, f) + share(GaitKind::rotary, f) +
-                                           share(GaitKind::bound, f)
-                                     : 0;
+      b.spring = w_.legs.size() == 4
+                     ? share(GaitKind::canter, f) + share(GaitKind::gallop, f) + share(GaitKind::rotary, f) + share(GaitKind::bound, f)
+                     : 0;
       // Two legs walk: the load moves in double support. Otherwise it rises and falls over a large part of the stance.
       ramp_[at(f)] = w_.biped && duty > 0.5 ? (2 * duty - 1) / (2 * duty) : 0.5;
       const auto all_stand = [&](double c) {
@@ -367,7 +366,8 @@ class Maker {
       b.ground = height[at(f)];
       const double ahead = std::max(0.3, 0.5 * w_.hip_height);
       const SinCos h = sin_cos(b.heading);
-      b.slope = (ground_at(o_, b.x + ahead * h.cos, b.y + ahead * h.sin) - ground_at(o_, b.x - ahead * h.cos, b.y - ahead * h.sin)) / (2 * ahead);
+      b.slope =
+          (ground_at(o_, b.x + ahead * h.cos, b.y + ahead * h.sin) - ground_at(o_, b.x - ahead * h.cos, b.y - ahead * h.sin)) / (2 * ahead);
     }
     std::vector<double> slope(at(n));
     for (int f = 0; f < n; ++f) slope[at(f)] = c_.body[at(f)].slope;

@@ -28,8 +28,8 @@ struct Stance {
 /// What a leg does in a frame.
 struct LegFrame {
   bool stands = true;
-  double share = 0;   ///< of the stance or of the swing that is over, 0 to 1
-  double load = 0;    ///< weight of its part of the load; 0 in swing
+  double share = 0;  ///< of the stance or of the swing that is over, 0 to 1
+  double load = 0;   ///< weight of its part of the load; 0 in swing
   double duty = 0.6;
   double length = 0;  ///< s: duration of the present stance or swing
   int stance = 0;     ///< index of the present stance, or of the stance before the present swing
@@ -39,9 +39,9 @@ struct Course {
   int frames = 0;
   int first = 0, last = 0;  ///< frames that belong to the motion; those around them exist for continuity
   double rate = 120;
-  std::vector<CourseFrame> body;              ///< [frames]
-  std::vector<std::vector<LegFrame>> legs;    ///< [legs][frames]
-  std::vector<std::vector<Stance>> stances;   ///< [legs]
+  std::vector<CourseFrame> body;             ///< [frames]
+  std::vector<std::vector<LegFrame>> legs;   ///< [legs][frames]
+  std::vector<std::vector<Stance>> stances;  ///< [legs]
 };
 
 [[nodiscard]] Course make_course(const Walker& walker, const GaitOptions& options);

@@ -34,9 +34,9 @@ double bump(double s) {
 
 /// How far the foot pitches in this gait.
 struct Roll {
-  double strike = 0, lift = 0;      ///< rad: pitch at touch-down (negative: toes up) and at lift-off
-  double passing = 0, rate = 0;     ///< rad, rad per swing: pitch in mid-swing
-  double level = 0.5;               ///< share of the swing with the pitch `passing`
+  double strike = 0, lift = 0;   ///< rad: pitch at touch-down (negative: toes up) and at lift-off
+  double passing = 0, rate = 0;  ///< rad, rad per swing: pitch in mid-swing
+  double level = 0.5;            ///< share of the swing with the pitch `passing`
   double flat_from = 0.1, flat_to = 0.5;
 };
 
@@ -75,9 +75,7 @@ double stance_pitch(const Roll& r, double s) {
 Mat3 about_y(double a) { return rotation_about({0, 1, 0}, a); }
 
 /// Axes of the ground at a stance: x along the foot, z normal to the ground.
-Mat3 ground_axes(const Stance& s) {
-  return to_matrix(rotation_between({0, 0, 1}, s.normal)) * rotation_about({0, 0, 1}, s.heading);
-}
+Mat3 ground_axes(const Stance& s) { return to_matrix(rotation_between({0, 0, 1}, s.normal)) * rotation_about({0, 0, 1}, s.heading); }
 
 /// Pose of a standing foot with the pitch `a`: it rolls over its heel or its toes without slipping.
 Pose standing_foot(const WalkerLeg& leg, const Stance& s, double a) {
@@ -121,9 +119,11 @@ FootPose foot_pose(const Walker& w, const GaitOptions& o, const Course& course, 
     out.X_WF = standing_foot(leg, from, a);
     out.pivot = a > 0 ? leg.toe : a < 0 ? leg.heel : leg.sole;
     out.toes = -toe_bend * std::max(0.0, a);
-    if (roll.strike < 0 && now.share < roll.flat_from) out.toes += -8 * degree * body.moving * (1 - smooth_step(now.share / roll.flat_from));
+    if (roll.strike < 0 && now.share < roll.flat_from)
+      out.toes += -8 * degree * body.moving * (1 - smooth_step(now.share / roll.flat_from));
     const Mat3 G = ground_axes(from);
-    const double heel = transpose_times(leg.R_HF.transposed(), leg.heel - leg.sole).x, toe = transpose_times(leg.R_HF.transposed(), leg.toe - leg.sole).x;
+    const double heel = transpose_times(leg.R_HF.transposed(), leg.heel - leg.sole).x,
+                 toe = transpose_times(leg.R_HF.transposed(), leg.toe - leg.sole).x;
     double x = 0;
     if (!leg.point_foot && w.biped) {
       // The pressure moves from the heel to the toes; while the body stands it is in the middle.
@@ -141,7 +141,8 @@ FootPose foot_pose(const Walker& w, const GaitOptions& o, const Course& course, 
   const double h = 1e-3;
   const double end = stance_pitch(roll, 1 - 1e-9), before = stance_pitch(roll, 1 - h), before2 = stance_pitch(roll, 1 - 2 * h);
   const double pitch_rate = (3 * end - 4 * before + before2) / (2 * h) * span;
-  const Pose lift = standing_foot(leg, from, end), earlier = standing_foot(leg, from, before), land = standing_foot(leg, to, stance_pitch(roll, 0));
+  const Pose lift = standing_foot(leg, from, end), earlier = standing_foot(leg, from, before),
+             land = standing_foot(leg, to, stance_pitch(roll, 0));
   const Vec3 rate = (lift.p - earlier.p) * (span / h);
   double pitch;
   if (s < roll.level)
@@ -159,8 +160,7 @@ FootPose foot_pose(const Walker& w, const GaitOptions& o, const Course& course, 
   const double landing = w.biped ? 0.92 * (1 - 0.4 * body.run) * body.moving * std::max(0.0, body.speed) : 0, brake = -22 * landing;
   for (int i = 0; i < 3; ++i) {
     const double along = i == 0 ? ahead.cos : i == 1 ? ahead.sin : 0;
-    out.X_WF.p[i] = quintic({lift.p[i], rate[i], 0},
-                            {land.p[i], along * landing * now.length, along * brake * now.length * now.length}, s);
+    out.X_WF.p[i] = quintic({lift.p[i], rate[i], 0}, {land.p[i], along * landing * now.length, along * brake * now.length * now.length}, s);
   }
   double raise = swing_height(w, o, body) * (0.25 + 0.75 * body.moving) * bump(s * (w.biped ? 2 - s : 1.3 - 0.3 * s));
   if (o.ground) {  // obstacles between both places

@@ -6,10 +6,10 @@
 namespace ugoki::gait {
 
 struct FootPose {
-  Pose X_WF;          ///< pose of the foot's link
-  Vec3 pivot;         ///< m, in the frame of the foot: the point of a standing sole that does not move
-  double toes = 0;    ///< rad: pitch of the toes relative to the foot, negative: up
-  Vec3 pressure;      ///< m: wanted centre of pressure; used while the foot stands
+  Pose X_WF;        ///< pose of the foot's link
+  Vec3 pivot;       ///< m, in the frame of the foot: the point of a standing sole that does not move
+  double toes = 0;  ///< rad: pitch of the toes relative to the foot, negative: up
+  Vec3 pressure;    ///< m: wanted centre of pressure; used while the foot stands
 };
 
 /// Pose of the foot of a leg in a frame.

@@ -246,7 +246,8 @@ class Generator {
     out.frames = course_.last - course_.first + 1;
     out.nq = m.nq();
     out.cyclic = o_.one_stride;
-    out.q.assign(q_.begin() + static_cast<std::ptrdiff_t>(at(course_.first) * nq), q_.begin() + static_cast<std::ptrdiff_t>(at(course_.last + 1) * nq));
+    out.q.assign(q_.begin() + static_cast<std::ptrdiff_t>(at(course_.first) * nq),
+                 q_.begin() + static_cast<std::ptrdiff_t>(at(course_.last + 1) * nq));
     keep_signs(out);
     for (std::size_t k = 0; k < w_.legs.size(); ++k) {
       ContactTrack track{m.link(w_.legs[k].link).name, {}};
@@ -315,7 +316,7 @@ class Generator {
   std::vector<Vec3> pressure_, centre_;        // [frames]
   std::vector<std::uint8_t> flight_;           // [frames]
   std::vector<CentreFrame> frames_;
-  std::vector<double> q_;                      // [frames][nq]
+  std::vector<double> q_;  // [frames][nq]
 };
 
 /// Problems of the options.
@@ -335,7 +336,8 @@ Error check(const Walker& w, const GaitOptions& o) {
     if (std::ranges::find(kinds, s.kind) == kinds.end()) {
       std::string names;
       for (const GaitKind k : kinds) names += (names.empty() ? "" : ", ") + std::string(name_of(k));
-      e.add(ErrorCode::range, where, "A mechanism with " + std::to_string(w.legs.size()) + " legs has no gait '" + std::string(name_of(s.kind)) + "'.",
+      e.add(ErrorCode::range, where,
+            "A mechanism with " + std::to_string(w.legs.size()) + " legs has no gait '" + std::string(name_of(s.kind)) + "'.",
             "Use " + names + ".");
     }
   }
@@ -343,13 +345,15 @@ Error check(const Walker& w, const GaitOptions& o) {
     e.add(ErrorCode::range, where, "The duration is out of range.", "Use 0.05 to 3600 s.");
   if (!(o.rate >= 20 && o.rate <= 1000)) e.add(ErrorCode::range, where, "The rate is out of range.", "Use 20 to 1000 frames per second.");
   if (!(o.gravity > 0.1 && o.gravity < 100)) e.add(ErrorCode::range, where, "The gravity is out of range.", "Use 0.1 to 100 m/s^2.");
-  if (!(o.duty == 0 || (o.duty > 0.1 && o.duty < 0.95))) e.add(ErrorCode::range, where, "The duty factor is out of range.", "Use 0.1 to 0.95.");
+  if (!(o.duty == 0 || (o.duty > 0.1 && o.duty < 0.95)))
+    e.add(ErrorCode::range, where, "The duty factor is out of range.", "Use 0.1 to 0.95.");
   if (!(o.step_height >= 0 && o.step_height < w.hip_height))
     e.add(ErrorCode::range, where, "The height of the steps is out of range.", "Use less than the height of the hips.");
   if (!(o.stride_time == 0 || (o.stride_time > 0.05 && o.stride_time < 20)))
     e.add(ErrorCode::range, where, "The duration of a stride is out of range.", "Use 0.05 to 20 s.");
   if (!o.phases.empty() && o.phases.size() != w.legs.size())
-    e.add(ErrorCode::range, where, "There are " + std::to_string(o.phases.size()) + " phases for " + std::to_string(w.legs.size()) + " legs.",
+    e.add(ErrorCode::range, where,
+          "There are " + std::to_string(o.phases.size()) + " phases for " + std::to_string(w.legs.size()) + " legs.",
           "Give one phase for each leg, in the order of the report.");
   if (o.one_stride && !o.stages.empty() && o.stages.front().speed == 0 && o.stages.front().turn == 0)
     e.add(ErrorCode::range, where, "One stride needs a speed or a turn rate.", "Give a speed other than 0.");

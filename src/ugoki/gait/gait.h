@@ -28,17 +28,17 @@ struct GaitStage {
 
 /// How a gait differs from the usual one. The defaults are the usual gait.
 struct GaitStyle {
-  double lean = 0;      ///< rad: the trunk leans forward by this more than usual
-  double crouch = 0;    ///< share of the leg length by which the body is lowered
-  double arms = 1;      ///< factor on the swing of the arms
-  double elbows = 0;    ///< rad: further flexion of the elbows
-  double width = 1;     ///< factor on the lateral distance of the feet
-  double bounce = 1;    ///< factor on the vertical movement of the centre of mass
-  double cadence = 1;   ///< factor on the number of strides per second
-  double hips = 1;      ///< factor on rotation and list of the pelvis
-  double head = 0;      ///< rad: the head is pitched forward by this more than usual
-  double lift = 1;      ///< factor on the height of the swing feet
-  double foot_roll = 1; ///< factor on the pitch of the feet at touch-down and lift-off
+  double lean = 0;       ///< rad: the trunk leans forward by this more than usual
+  double crouch = 0;     ///< share of the leg length by which the body is lowered
+  double arms = 1;       ///< factor on the swing of the arms
+  double elbows = 0;     ///< rad: further flexion of the elbows
+  double width = 1;      ///< factor on the lateral distance of the feet
+  double bounce = 1;     ///< factor on the vertical movement of the centre of mass
+  double cadence = 1;    ///< factor on the number of strides per second
+  double hips = 1;       ///< factor on rotation and list of the pelvis
+  double head = 0;       ///< rad: the head is pitched forward by this more than usual
+  double lift = 1;       ///< factor on the height of the swing feet
+  double foot_roll = 1;  ///< factor on the pitch of the feet at touch-down and lift-off
 };
 /// Names: "usual", "sneak", "tired", "proud", "hurried". Nothing: no style has this name.
 [[nodiscard]] std::optional<GaitStyle> style_named(std::string_view name);
@@ -57,9 +57,9 @@ struct GaitOptions {
   GaitStyle style;
   /// Height of the ground [m] at x, y. Empty: the plane z = 0. Used where the body walks and at the feet.
   std::function<double(double, double)> ground;
-  std::vector<Vec3> path;     ///< m: points of a path over the ground (x, y) from the start; fewer than two: stages decide
-  std::vector<double> phases; ///< [legs] touch-down of each leg as a share of the stride; empty: from the table
-  double duty = 0;            ///< share of the stride in which a foot stands; 0: from the table
+  std::vector<Vec3> path;      ///< m: points of a path over the ground (x, y) from the start; fewer than two: stages decide
+  std::vector<double> phases;  ///< [legs] touch-down of each leg as a share of the stride; empty: from the table
+  double duty = 0;             ///< share of the stride in which a foot stands; 0: from the table
 };
 
 /// Time interval in which a foot stands.
@@ -70,14 +70,14 @@ struct FootStance {
 };
 
 struct GaitReport {
-  std::vector<std::string> legs;                ///< names of the feet, in the order of GaitOptions::phases
-  std::vector<std::vector<FootStance>> stances; ///< [legs]
-  double stride_time = 0;                       ///< s, of the last stage
-  double duty = 0;                              ///< of the last stage
-  double max_miss = 0;                          ///< m: maximum distance of a foot from its path
-  double max_lowering = 0;                      ///< m: maximum lowering of the body for the reach of the legs
-  double pressure_rms = 0;                      ///< m: rms distance of the centre of pressure from the planned one
-  std::vector<std::string> notes;               ///< sentences about assumptions
+  std::vector<std::string> legs;                 ///< names of the feet, in the order of GaitOptions::phases
+  std::vector<std::vector<FootStance>> stances;  ///< [legs]
+  double stride_time = 0;                        ///< s, of the last stage
+  double duty = 0;                               ///< of the last stage
+  double max_miss = 0;                           ///< m: maximum distance of a foot from its path
+  double max_lowering = 0;                       ///< m: maximum lowering of the body for the reach of the legs
+  double pressure_rms = 0;                       ///< m: rms distance of the centre of pressure from the planned one
+  std::vector<std::string> notes;                ///< sentences about assumptions
 };
 
 /// A usual speed [m/s] of the kind for this mechanism. Errors: as make_gait.

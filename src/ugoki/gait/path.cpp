@@ -15,7 +15,9 @@ Vec3 segment_point(const Vec3* p, double s) {
   double t[4] = {0, 0, 0, 0};
   for (int i = 1; i < 4; ++i) t[i] = t[i - 1] + std::sqrt(std::max(1e-6, norm(p[i] - p[i - 1])));
   const double x = t[1] + s * (t[2] - t[1]);
-  const auto mix = [&](const Vec3& a, const Vec3& b, double ta, double tb) { return a * ((tb - x) / (tb - ta)) + b * ((x - ta) / (tb - ta)); };
+  const auto mix = [&](const Vec3& a, const Vec3& b, double ta, double tb) {
+    return a * ((tb - x) / (tb - ta)) + b * ((x - ta) / (tb - ta));
+  };
   const Vec3 a1 = mix(p[0], p[1], t[0], t[1]), a2 = mix(p[1], p[2], t[1], t[2]), a3 = mix(p[2], p[3], t[2], t[3]);
   return mix(mix(a1, a2, t[0], t[2]), mix(a2, a3, t[1], t[3]), t[1], t[2]);
 }
@@ -46,7 +48,8 @@ SmoothPath::SmoothPath(std::span<const Vec3> points) {
   }
   const int n = static_cast<int>(samples_.size());
   for (int i = 0; i < n; ++i) {
-    const Point &a = samples_[static_cast<std::size_t>(std::max(0, i - 1))], &b = samples_[static_cast<std::size_t>(std::min(n - 1, i + 1))];
+    const Point &a = samples_[static_cast<std::size_t>(std::max(0, i - 1))],
+                &b = samples_[static_cast<std::size_t>(std::min(n - 1, i + 1))];
     double heading = n > 1 ? atan2(b.y - a.y, b.x - a.x) : 0;
     if (i > 0) {
       const double before = samples_[static_cast<std::size_t>(i - 1)].heading;

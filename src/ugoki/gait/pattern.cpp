@@ -9,7 +9,8 @@
 namespace ugoki::gait {
 namespace {
 
-constexpr std::array<std::string_view, kind_count> kind_names{"walk", "run", "trot", "pace", "canter", "gallop", "rotary", "bound", "pronk"};
+constexpr std::array<std::string_view, kind_count> kind_names{"walk",   "run",    "trot",  "pace", "canter",
+                                                              "gallop", "rotary", "bound", "pronk"};
 
 double fraction(double x) { return x - std::floor(x); }
 
@@ -37,17 +38,53 @@ constexpr double degree = pi / 180;
 constexpr std::array<Style, 5> styles{{
     {"usual", {}},
     {"sneak",
-     {.lean = 14 * degree, .crouch = 0.09, .arms = 0.5, .elbows = 45 * degree, .width = 0.9, .bounce = 0.4, .cadence = 0.85, .hips = 0.7,
-      .head = -10 * degree, .lift = 1.35, .foot_roll = 0.5}},
+     {.lean = 14 * degree,
+      .crouch = 0.09,
+      .arms = 0.5,
+      .elbows = 45 * degree,
+      .width = 0.9,
+      .bounce = 0.4,
+      .cadence = 0.85,
+      .hips = 0.7,
+      .head = -10 * degree,
+      .lift = 1.35,
+      .foot_roll = 0.5}},
     {"tired",
-     {.lean = 9 * degree, .crouch = 0.02, .arms = 0.55, .elbows = -8 * degree, .width = 1.15, .bounce = 0.8, .cadence = 0.9, .hips = 0.8,
-      .head = 18 * degree, .lift = 0.75, .foot_roll = 0.7}},
+     {.lean = 9 * degree,
+      .crouch = 0.02,
+      .arms = 0.55,
+      .elbows = -8 * degree,
+      .width = 1.15,
+      .bounce = 0.8,
+      .cadence = 0.9,
+      .hips = 0.8,
+      .head = 18 * degree,
+      .lift = 0.75,
+      .foot_roll = 0.7}},
     {"proud",
-     {.lean = -4 * degree, .crouch = 0, .arms = 1.3, .elbows = 6 * degree, .width = 1, .bounce = 1.25, .cadence = 0.97, .hips = 1.15,
-      .head = -7 * degree, .lift = 1.15, .foot_roll = 1.1}},
+     {.lean = -4 * degree,
+      .crouch = 0,
+      .arms = 1.3,
+      .elbows = 6 * degree,
+      .width = 1,
+      .bounce = 1.25,
+      .cadence = 0.97,
+      .hips = 1.15,
+      .head = -7 * degree,
+      .lift = 1.15,
+      .foot_roll = 1.1}},
     {"hurried",
-     {.lean = 5 * degree, .crouch = 0.01, .arms = 1.2, .elbows = 30 * degree, .width = 0.95, .bounce = 0.8, .cadence = 1.15, .hips = 1.1,
-      .head = 3 * degree, .lift = 0.95, .foot_roll = 0.9}},
+     {.lean = 5 * degree,
+      .crouch = 0.01,
+      .arms = 1.2,
+      .elbows = 30 * degree,
+      .width = 0.95,
+      .bounce = 0.8,
+      .cadence = 1.15,
+      .hips = 1.1,
+      .head = 3 * degree,
+      .lift = 0.95,
+      .foot_roll = 0.9}},
 }};
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace ugoki::gait {
 
 /// Legs in rows from the back to the front.
 struct LegPlace {
-  int row = 0;       ///< 0: hindmost
+  int row = 0;  ///< 0: hindmost
   bool left = false;
 };
 

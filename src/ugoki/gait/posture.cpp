@@ -116,7 +116,8 @@ void Poser::set_trunk(int frame, double pitch, const Swing& swing, std::span<dou
                        about_x(-1.2 * degree * walk * sin(w + 0.3)) * about_y(0.5 * degree + lean + pitch);
     orient_chain(w_.rig->anatomy.spine, pelvis, chest, q);
     const double look = 0.4 * atan2(b.turn, 2.0);  // the head turns into a curve
-    const Mat3 head = H * about_z(look + degree * 0.8 * walk * cos(w)) * about_y(degree * (1.5 + 0.8 * size * cos(2 * w + 0.6)) + 0.35 * lean + style.head);
+    const Mat3 head = H * about_z(look + degree * 0.8 * walk * cos(w)) *
+                      about_y(degree * (1.5 + 0.8 * size * cos(2 * w + 0.6)) + 0.35 * lean + style.head);
     orient_chain(w_.rig->anatomy.neck, chest, head, q);
     for (const retarget::LimbName name : {retarget::LimbName::left_arm, retarget::LimbName::right_arm}) {
       const retarget::Limb& limb = w_.rig->anatomy.limb(name);
@@ -124,7 +125,8 @@ void Poser::set_trunk(int frame, double pitch, const Swing& swing, std::span<dou
       const int side = name == retarget::LimbName::left_arm ? 1 : -1;
       const double forward = -side * cos(w - 0.15);  // 1: the arm is farthest ahead, at the touch-down of the opposite leg
       const double range = swing.arms * style.arms;
-      const double angle = degree * (-1 + b.moving * (-3 * (1 - b.run) - 8 * b.run) + forward * range * (18 * walk + 30 * run)) + 0.4 * lean;
+      const double angle =
+          degree * (-1 + b.moving * (-3 * (1 - b.run) - 8 * b.run) + forward * range * (18 * walk + 30 * run)) + 0.4 * lean;
       const double spread = degree * (7 + 3 * run);
       const double flexion =
           std::max(5 * degree, degree * (14 + 8 * walk + 11 * walk * forward * range + run * (62 + 12 * forward)) + style.elbows);

@@ -33,13 +33,15 @@ class Maker {
         if (rig->anatomy.four_legs == (n == 4)) w_.rig = std::move(*rig);
       }
     }
-    if (!w_.rig) w_.notes.push_back("The anatomy of the trunk is not known; the trunk is kept level, and the mechanism walks along its x axis.");
+    if (!w_.rig)
+      w_.notes.push_back("The anatomy of the trunk is not known; the trunk is kept level, and the mechanism walks along its x axis.");
     stand();
     for (const motion_edit::FootLimb& foot : feet) add_leg(foot);
     sort_legs();
     for (const WalkerLeg& leg : w_.legs)
       if (leg.chain.empty() || leg.length < 1e-3)
-        return fail(ErrorCode::structure, where, "The foot " + m_.link(leg.link).name + " has no movable joint above it that belongs to it alone.",
+        return fail(ErrorCode::structure, where,
+                    "The foot " + m_.link(leg.link).name + " has no movable joint above it that belongs to it alone.",
                     "Label only the links at the ends of legs 'foot' or 'paw'.");
     if (w_.biped)
       for (WalkerLeg& leg : w_.legs) leg.home.x = 0;

@@ -395,9 +395,10 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
   if (options.axes && !options.axes->valid())
     return fail(ErrorCode::range, location, "Up and forward cannot be the same axis.", "Choose another forward axis.");
   if (!kind)
-    return fail(ErrorCode::unsupported, location, "Files with this extension cannot be imported.",
-                "Use a .bvh, .amc (with its .asf), .c3d, .trc, .csv, .gltf, .glb, .fbx, .dae, .usda, .mvnx, .npz, .mot, .sto, .txt (DeepMimic), "
-                "mechanism .json, .urdf, .sdf, .osim or MJCF .xml file.");
+    return fail(
+        ErrorCode::unsupported, location, "Files with this extension cannot be imported.",
+        "Use a .bvh, .amc (with its .asf), .c3d, .trc, .csv, .gltf, .glb, .fbx, .dae, .usda, .mvnx, .npz, .mot, .sto, .txt (DeepMimic), "
+        "mechanism .json, .urdf, .sdf, .osim or MJCF .xml file.");
   if (auto error = stopped(options, file_name)) return fail(std::move(*error));
   formats::ReadNotes notes;
   switch (*kind) {

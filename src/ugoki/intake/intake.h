@@ -38,9 +38,9 @@ struct IntakeOptions {
   bool travel = false;  ///< give characters that walk in place (on a treadmill) the travel that their standing feet show
   /// Bytes and name of the file that a motion needs in addition: .npz of the body model (SMPL), .osim (OpenSim), character (DeepMimic).
   std::string model, model_name;
-  formats::GltfFiles files;                 ///< reads external buffers of a .gltf file; null: such files are rejected
-  robot_formats::RobotOptions robot;        ///< options for URDF, SDF, MJCF
-  std::function<bool()> cancelled;          ///< called before each step and each motion; true ends the import with ErrorCode::cancelled
+  formats::GltfFiles files;           ///< reads external buffers of a .gltf file; null: such files are rejected
+  robot_formats::RobotOptions robot;  ///< options for URDF, SDF, MJCF
+  std::function<bool()> cancelled;    ///< called before each step and each motion; true ends the import with ErrorCode::cancelled
 };
 
 /// An imported file that is not stored yet.

@@ -92,7 +92,8 @@ std::vector<std::string> add_chest(std::span<MeasuredMotion> motions) {
   std::vector<double> depth(n, 0);  // m, length of the longest path below
   for (std::size_t i = n; i-- > 0;) {
     for (const Vec3& e : s.joints[i].end_sites) depth[i] = std::max(depth[i], norm(e));
-    if (s.joints[i].parent >= 0) depth[at(s.joints[i].parent)] = std::max(depth[at(s.joints[i].parent)], depth[i] + norm(s.joints[i].offset));
+    if (s.joints[i].parent >= 0)
+      depth[at(s.joints[i].parent)] = std::max(depth[at(s.joints[i].parent)], depth[i] + norm(s.joints[i].offset));
   }
   for (std::size_t hub = 0; hub < n; ++hub) {
     std::vector<std::size_t> limbs;

@@ -16,8 +16,8 @@ namespace ugoki::intake {
 /// @return names of the joints whose limbs were extended
 std::vector<std::string> add_limb_ends(std::span<MeasuredMotion> motions);
 
-/// If all four limbs of an animal have one common joint, adds a joint that does not turn relative to it, and gives it the fore limbs, neck and
-/// head. Names of limbs specify which are in front; without names, the limbs nearer to the head. World poses do not change.
+/// If all four limbs of an animal have one common joint, adds a joint that does not turn relative to it, and gives it the fore limbs, neck
+/// and head. Names of limbs specify which are in front; without names, the limbs nearer to the head. World poses do not change.
 /// @param motions all on the same skeleton
 /// @return names of the limbs with a new parent
 std::vector<std::string> add_chest(std::span<MeasuredMotion> motions);

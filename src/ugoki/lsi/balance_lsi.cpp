@@ -265,18 +265,19 @@ void add_balance(circuit::Library& library) {
                  "Two numbers: mode (0 follows its track, 1 braces for a fall, 2 falls, 3 lies on the ground, 4 gets up), and the distance "
                  "from the limits "
                  "of a fall (1: at the reference, 0: the character begins to fall).")};
-  c.parameters = {character_parameter(),
-                  number_parameter("balance gain", usual.com_gain, 0, 20, "1/s", "Rate at which the error of balance decays."),
-                  number_parameter("joint frequency", usual.joint_frequency, 0, 100, "rad/s", "Rate at which the error of a joint decays."),
-                  number_parameter("leg weight", usual.leg_weight, 0.001, 100, "",
-                                   "Importance of the posture of the legs; 1 is the importance of the posture of the other joints."),
-                  number_parameter("momentum weight", usual.momentum_weight, 0.001, 100, "",
-                                   "Importance of the angular momentum; less lets the arms and the trunk swing more to keep the balance."),
-                  number_parameter("step growth", usual.shift_growth, 0, 6, "1/s",
-                                   "Growth of the error of balance that a step expects until its foot lands. More makes steps wider."),
-                  number_parameter("get up", 0, 0, 1, "",
-                                   "1: a character that lies gets up and goes on with its track. Adults that lie on their front succeed; many "
-                                   "other bodies and poses fail, and stay on the ground after three tries.")};
+  c.parameters = {
+      character_parameter(),
+      number_parameter("balance gain", usual.com_gain, 0, 20, "1/s", "Rate at which the error of balance decays."),
+      number_parameter("joint frequency", usual.joint_frequency, 0, 100, "rad/s", "Rate at which the error of a joint decays."),
+      number_parameter("leg weight", usual.leg_weight, 0.001, 100, "",
+                       "Importance of the posture of the legs; 1 is the importance of the posture of the other joints."),
+      number_parameter("momentum weight", usual.momentum_weight, 0.001, 100, "",
+                       "Importance of the angular momentum; less lets the arms and the trunk swing more to keep the balance."),
+      number_parameter("step growth", usual.shift_growth, 0, 6, "1/s",
+                       "Growth of the error of balance that a step expects until its foot lands. More makes steps wider."),
+      number_parameter("get up", 0, 0, 1, "",
+                       "1: a character that lies gets up and goes on with its track. Adults that lie on their front succeed; many "
+                       "other bodies and poses fail, and stay on the ground after three tries.")};
   c.configure = [](Setup& s) {
     const Character* character = character_of(s);
     if (!character) return;

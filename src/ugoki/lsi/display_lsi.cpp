@@ -41,8 +41,9 @@ std::int32_t step(const Call* call) {
     const Vec3 centre = centre_of_mass(m, X);
     for (int k = 0; k < 3; ++k) record[character_centre + static_cast<std::size_t>(k)] = centre[k];
     for (std::size_t k = 0; k < measure_count; ++k)
-      measures[i * measure_count + k] = self.measure_wire[i] < 0 ? (k == measure_release_time || k == measure_feet || k >= measure_totals ? -1.0 : 0.0)
-                                                                 : circuit::input(call, static_cast<std::size_t>(self.measure_wire[i]))[k];
+      measures[i * measure_count + k] = self.measure_wire[i] < 0
+                                            ? (k == measure_release_time || k == measure_feet || k >= measure_totals ? -1.0 : 0.0)
+                                            : circuit::input(call, static_cast<std::size_t>(self.measure_wire[i]))[k];
   }
   return 0;
 }
@@ -89,10 +90,11 @@ void add_display(circuit::Library& library) {
     c.inputs[pin].required = false;
     c.inputs[pin].multiple = true;
   }
-  c.outputs = {output_pin("poses", PinTypeId::pose, "m", "Poses of every link of every character in the world."),
-               output_pin("characters", PinTypeId::joint_values, "",
-                          "Twelve numbers for each character: state, root assist, weight, centre of mass."),
-               output_pin("measures", PinTypeId::joint_values, "", "The measures of naturalness of each character, one character after the other.")};
+  c.outputs = {
+      output_pin("poses", PinTypeId::pose, "m", "Poses of every link of every character in the world."),
+      output_pin("characters", PinTypeId::joint_values, "",
+                 "Twelve numbers for each character: state, root assist, weight, centre of mass."),
+      output_pin("measures", PinTypeId::joint_values, "", "The measures of naturalness of each character, one character after the other.")};
   c.configure = [](Setup& s) {
     const World* world = world_of(s);
     if (!world) return;

@@ -33,16 +33,16 @@ struct Naturalness {
   const Character* character;
   ReferenceLayout layout;
   naturalness::Meter meter;
-  bool forces = false;                         // contact forces are wired
-  bool applied = false;                        // drive forces are wired
-  std::size_t dof_offset = 0;                  // index of the character's first number in the drive forces
-  std::vector<Pose> poses, reference_poses;    // [links]
-  std::vector<std::uint8_t> stance;            // [feet] 1: the foot stands in the reference
-  std::vector<std::uint8_t> stands, touches;   // [legs] 1: the foot stands in the reference; touches something
-  std::vector<Vec3> leg_forces;                // [legs] N
-  std::vector<double> error;                   // [nv] rad | m: difference between present position and reference
-  std::vector<int> foot_of_link;               // [links] index of the foot (toes and heel are one foot); -1: none
-  std::vector<std::uint8_t> bears;             // [feet] 1: the foot touches the ground now
+  bool forces = false;                        // contact forces are wired
+  bool applied = false;                       // drive forces are wired
+  std::size_t dof_offset = 0;                 // index of the character's first number in the drive forces
+  std::vector<Pose> poses, reference_poses;   // [links]
+  std::vector<std::uint8_t> stance;           // [feet] 1: the foot stands in the reference
+  std::vector<std::uint8_t> stands, touches;  // [legs] 1: the foot stands in the reference; touches something
+  std::vector<Vec3> leg_forces;               // [legs] N
+  std::vector<double> error;                  // [nv] rad | m: difference between present position and reference
+  std::vector<int> foot_of_link;              // [links] index of the foot (toes and heel are one foot); -1: none
+  std::vector<std::uint8_t> bears;            // [feet] 1: the foot touches the ground now
   int foot_count = 0;
   double upright = 0;  // m: height of the root above the lowest link in the neutral position
 };
@@ -204,8 +204,23 @@ void* make(Setup& s) {
   const Character& c = *character_of(s);
   const World& world = *world_of(s);
   const Mechanism& m = *c.mechanism;
-  auto* self = new Naturalness{
-      &c, reference_layout(m, c.feet.size()), naturalness::Meter(m, options_of(world)), false, false, 0, {}, {}, {}, {}, {}, {}, {}, {}, {}, 0, 0};
+  auto* self = new Naturalness{&c,
+                               reference_layout(m, c.feet.size()),
+                               naturalness::Meter(m, options_of(world)),
+                               false,
+                               false,
+                               0,
+                               {},
+                               {},
+                               {},
+                               {},
+                               {},
+                               {},
+                               {},
+                               {},
+                               {},
+                               0,
+                               0};
   self->forces = s.wires(in_forces) > 0;
   self->applied = s.wires(in_applied) > 0;
   for (const Character& other : world.characters())
@@ -274,7 +289,8 @@ void add_naturalness(circuit::Library& library) {
                         "Drive forces of all characters, from dynamics; without: torques and work are not measured.")};
   c.inputs[in_forces].required = c.inputs[in_applied].required = false;
   for (circuit::InputPin& pin : c.inputs) pin.direct = false;
-  c.outputs = {output_pin("measures", PinTypeId::joint_values, "", "Measures of the run and of the present instant; docs/circuit.md lists them.")};
+  c.outputs = {
+      output_pin("measures", PinTypeId::joint_values, "", "Measures of the run and of the present instant; docs/circuit.md lists them.")};
   c.outputs[0].delayed = true;
   c.parameters = {character_parameter()};
   c.configure = [](Setup& s) {

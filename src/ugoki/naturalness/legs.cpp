@@ -20,8 +20,8 @@ void find_pairs(std::vector<Leg>& legs, const std::vector<Pose>& X) {
     const Vec3 a = foot(legs[i]);
     for (std::size_t j = 0; j < legs.size(); ++j) {
       const Vec3 b = foot(legs[j]);
-      const double d = std::min(std::fabs(a.x - b.x) + std::fabs(a.y + b.y), std::fabs(a.x + b.x) + std::fabs(a.y - b.y) + 1e-6) +
-                       std::fabs(a.z - b.z);
+      const double d =
+          std::min(std::fabs(a.x - b.x) + std::fabs(a.y + b.y), std::fabs(a.x + b.x) + std::fabs(a.y - b.y) + 1e-6) + std::fabs(a.z - b.z);
       if (i == j || d >= best || norm(a - b) < 1e-6) continue;
       best = d;
       legs[i].other = static_cast<int>(j);

@@ -88,10 +88,10 @@ struct MeasureInfo {
   const char* name = "";  ///< name for display
   const char* unit = "";
   Total total = Total::rms;
-  int digits = 1;        ///< decimals for display
-  Limits limits;         ///< of the value of the whole motion
-  Limits now;            ///< of the values over time
-  bool smooth = false;   ///< true: `now` holds for the rms over `rms_time`, because single frames scatter
+  int digits = 1;            ///< decimals for display
+  Limits limits;             ///< of the value of the whole motion
+  Limits now;                ///< of the values over time
+  bool smooth = false;       ///< true: `now` holds for the rms over `rms_time`, because single frames scatter
   const char* meaning = "";  ///< one sentence
 };
 

@@ -24,8 +24,8 @@ constexpr double walk_time = 0.6;
 /// s: a parabola is fitted to flights of at least this duration, because the error of its gravity grows with 1 / duration^2.
 constexpr double min_fit = 0.1;
 
-/// Bounds of the rms jerk of recorded motions, in units of g sqrt(g / h): links from the root to the head in a walk and otherwise, legs, and
-/// other links. Calibration: docs/naturalness.md.
+/// Bounds of the rms jerk of recorded motions, in units of g sqrt(g / h): links from the root to the head in a walk and otherwise, legs,
+/// and other links. Calibration: docs/naturalness.md.
 constexpr double walk_jerk = 4.2, trunk_jerk = 7.5, leg_jerk = 20, arm_jerk = 25;
 /// Jerk in units of g sqrt(g / h) that is added to both sides of the jerk ratio, so that links at rest have a ratio of 1.
 constexpr double jerk_floor = 0.3;
@@ -264,7 +264,8 @@ void Meter::add_torque(const Sample& s) {
   double power = 0, over = 0;
   for (int i = body_.floating ? 6 : 0; i < m_.nv(); ++i) {
     power += std::max(0.0, s.torque[at(i)] * s.v[at(i)]);
-    if (const double effort = m_.dof(i).effort; std::isfinite(effort) && effort > 0) over = std::max(over, std::fabs(s.torque[at(i)]) / effort);
+    if (const double effort = m_.dof(i).effort; std::isfinite(effort) && effort > 0)
+      over = std::max(over, std::fabs(s.torque[at(i)]) / effort);
   }
   for (std::size_t k = 0; k < leg_states_.size(); ++k) {
     LegState& leg = leg_states_[k];
@@ -382,8 +383,8 @@ std::array<double, measure_count> Meter::totals() const {
 std::size_t Meter::memory_size() const {
   constexpr std::size_t unit = sizeof(double);
   static_assert(sizeof(Sums) % unit == 0 && sizeof(LegState) % unit == 0 && sizeof(Smooth) % unit == 0);
-  return sizeof(Sums) / unit + 3 * measure_count + leg_states_.size() * (sizeof(LegState) / unit) + smooth_.size() * (sizeof(Smooth) / unit) +
-         slip_.memory_size() + penetration_.memory_size();
+  return sizeof(Sums) / unit + 3 * measure_count + leg_states_.size() * (sizeof(LegState) / unit) +
+         smooth_.size() * (sizeof(Smooth) / unit) + slip_.memory_size() + penetration_.memory_size();
 }
 
 void Meter::save(std::span<double> out) const {

@@ -17,18 +17,18 @@ namespace ugoki::naturalness {
 
 /// State of a character at one instant. Empty spans: not known.
 struct Sample {
-  double dt = 0;                              ///< s since the previous sample; not used in the first one
-  std::span<const double> q, v;               ///< [nq], [nv] position; velocity, of a recording filtered
-  std::span<const Pose> X_WB;                 ///< [links] poses at q
-  std::span<const Pose> reference;            ///< [links] poses that the character should have
-  std::span<const std::uint8_t> stance;       ///< [feet of find_feet] nonzero: the foot is to stand without sliding
-  std::span<const std::uint8_t> stands;       ///< [legs] nonzero: the foot is meant to bear load
-  std::span<const std::uint8_t> touches;      ///< [legs] nonzero: the foot touches something
-  std::span<const Vec3> forces;               ///< [legs] N, world: force on the foot
-  bool other_contact = false;                 ///< another link touches something, or something else holds the character
-  std::span<const double> torque;             ///< [nv] N m | N: forces of the joints
-  bool has_missing = false;                   ///< the next two are known
-  Vec3 missing_force, missing_moment;         ///< N, N m about the centre of mass, world: wrench that no contact supplies
+  double dt = 0;                          ///< s since the previous sample; not used in the first one
+  std::span<const double> q, v;           ///< [nq], [nv] position; velocity, of a recording filtered
+  std::span<const Pose> X_WB;             ///< [links] poses at q
+  std::span<const Pose> reference;        ///< [links] poses that the character should have
+  std::span<const std::uint8_t> stance;   ///< [feet of find_feet] nonzero: the foot is to stand without sliding
+  std::span<const std::uint8_t> stands;   ///< [legs] nonzero: the foot is meant to bear load
+  std::span<const std::uint8_t> touches;  ///< [legs] nonzero: the foot touches something
+  std::span<const Vec3> forces;           ///< [legs] N, world: force on the foot
+  bool other_contact = false;             ///< another link touches something, or something else holds the character
+  std::span<const double> torque;         ///< [nv] N m | N: forces of the joints
+  bool has_missing = false;               ///< the next two are known
+  Vec3 missing_force, missing_moment;     ///< N, N m about the centre of mass, world: wrench that no contact supplies
 };
 
 struct MeterOptions {
@@ -70,27 +70,27 @@ class Meter {
   /// Sums of powers of the time for a fit of degree 2 to a trajectory. Plain data.
   struct Flight {
     double t = 0, n = 0, s[5] = {};
-    Vec3 y[3];         ///< sums of c, c t, c t^2, relative to the first point
+    Vec3 y[3];  ///< sums of c, c t, c t^2, relative to the first point
     Vec3 origin, pending[2];
     double held = 0, pending_t[2] = {};
   };
   struct Sums {
     double time = 0, samples = 0;
-    double speed_x = 0, speed_y = 0;      ///< m/s: velocity of the centre of mass over the last 0.4 s
-    double ground_time = 0, air_time = 0; ///< s: since the last flight of 0.05 s; duration of the present flight
-    double load = 0, peak = 0;            ///< N: vertical ground force, filtered; its maximum so far
-    double work = 0, distance = 0;        ///< J, m
-    double power = 0;                     ///< W, positive power of the joints, mean over the last 0.5 s
-    double walked = 0, ran = 0;           ///< s
+    double speed_x = 0, speed_y = 0;       ///< m/s: velocity of the centre of mass over the last 0.4 s
+    double ground_time = 0, air_time = 0;  ///< s: since the last flight of 0.05 s; duration of the present flight
+    double load = 0, peak = 0;             ///< N: vertical ground force, filtered; its maximum so far
+    double work = 0, distance = 0;         ///< J, m
+    double power = 0;                      ///< W, positive power of the joints, mean over the last 0.5 s
+    double walked = 0, ran = 0;            ///< s
     double had_flight = 0, had_forces = 0, had_torque = 0;
     Vec3 centre;
     Flight flight;
   };
   struct LegState {
-    double on = 0, since = 0;               ///< 1: the foot touches; s: duration of the present stance or swing
-    double complete = 0;                    ///< 1: the begin of the stance or swing was seen, in a gait
-    double touched_at = -1;                 ///< s: time of the last touch-down
-    double torque_sum = 0, torque_time = 0; ///< since the last touch-down
+    double on = 0, since = 0;                                   ///< 1: the foot touches; s: duration of the present stance or swing
+    double complete = 0;                                        ///< 1: the begin of the stance or swing was seen, in a gait
+    double touched_at = -1;                                     ///< s: time of the last touch-down
+    double torque_sum = 0, torque_time = 0;                     ///< since the last touch-down
     double height_sum = 0, height_count = 0, stand_height = 0;  ///< m: height of the standing foot
     double step_time = no_value, step_length = no_value, stance_time = no_value, torque = no_value;  ///< of the last step or stance
     double step_times = 0, step_lengths = 0, steps = 0, stance_times = 0, stances = 0, torques = 0, strides = 0;  ///< sums and counts
@@ -104,7 +104,7 @@ class Meter {
   };
   struct Smooth {
     Stages body, reference;
-    double square = 0, reference_square = 0;      ///< mean squared jerk of the last 0.15 s
+    double square = 0, reference_square = 0;                        ///< mean squared jerk of the last 0.15 s
     double sum = 0, bounded_sum = 0, reference_sum = 0, count = 0;  ///< since the start; bounded: in units of the bound
   };
 

@@ -24,12 +24,12 @@ double knee_angle(const Leg& leg, std::span<const Pose> X) {
   return atan2(norm(cross(thigh, shank)), dot(thigh, shank)) * 180 / pi;
 }
 
-constexpr double rest_speed = 0.1;  // m/s: a standing foot moves up or down more slowly than this
-constexpr double stand_speed = 0.4; // m/s: a foot that is faster does not stand, even if a contact was detected
+constexpr double rest_speed = 0.1;   // m/s: a standing foot moves up or down more slowly than this
+constexpr double stand_speed = 0.4;  // m/s: a foot that is faster does not stand, even if a contact was detected
 constexpr double rest_time = 0.05;   // s: a foot that turns round in the air is slow for a shorter time
 // s: standard deviation of the Gaussian with the half-power frequency of 6 Hz, the low-pass of recordings: sqrt(ln 2) / (2 pi 6 Hz)
 constexpr double force_sigma = 0.0221;
-constexpr double min_stance = 0.15; // s: the ground force of shorter stances has no shape
+constexpr double min_stance = 0.15;  // s: the ground force of shorter stances has no shape
 
 }  // namespace
 

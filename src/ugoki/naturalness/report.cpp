@@ -47,7 +47,8 @@ std::vector<double> moving_rms(const std::vector<double>& values, double rate) {
   }
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     if (values[static_cast<std::size_t>(i)] < 0) continue;
-    const auto from = static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, i - half)), to = static_cast<std::size_t>(std::min(n, i + half + 1));
+    const auto from = static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, i - half)),
+               to = static_cast<std::size_t>(std::min(n, i + half + 1));
     out[static_cast<std::size_t>(i)] = std::sqrt(std::max(0.0, sums[to] - sums[from]) / (counts[to] - counts[from]));
   }
   return out;

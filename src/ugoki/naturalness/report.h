@@ -18,10 +18,10 @@ struct BadSpan {
 
 struct MeasureReport {
   double total = no_value;
-  std::string reason;            ///< why there is no total; else empty
-  Limits limits;                 ///< of `total`
-  std::vector<double> over_time; ///< [frames] values over time; rms over `rms_time` where MeasureInfo::smooth is true
-  std::vector<BadSpan> spans;    ///< in the order of time
+  std::string reason;             ///< why there is no total; else empty
+  Limits limits;                  ///< of `total`
+  std::vector<double> over_time;  ///< [frames] values over time; rms over `rms_time` where MeasureInfo::smooth is true
+  std::vector<BadSpan> spans;     ///< in the order of time
   [[nodiscard]] Grade grade() const { return naturalness::grade(limits, total); }
 };
 
@@ -30,7 +30,7 @@ struct Report {
   double rate = 0;  ///< frames per second
   int frames = 0;
   std::array<MeasureReport, measure_count> measures;  ///< indices: MeasureId
-  [[nodiscard]] bool good() const;  ///< no total is bad
+  [[nodiscard]] bool good() const;                    ///< no total is bad
 };
 
 /// Collects the values of measures over time.

@@ -115,8 +115,8 @@ std::string time_axis(const Frame& f) {
 }
 
 std::string open_svg(double height) {
-  return "<svg class=\"ugoki-measures\" xmlns=\"http://www.w3.org/2000/svg\" width=\"" + px(width) + "\" height=\"" + px(height) + "\" viewBox=\"0 0 " + px(width) +
-         " " + px(height) +
+  return "<svg class=\"ugoki-measures\" xmlns=\"http://www.w3.org/2000/svg\" width=\"" + px(width) + "\" height=\"" + px(height) +
+         "\" viewBox=\"0 0 " + px(width) + " " + px(height) +
          "\" font-family=\"sans-serif\" font-size=\"12\" fill=\"#1f2937\">\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
 }
 
@@ -133,8 +133,7 @@ double duration_of(const Report& report) { return std::max(1e-3, report.frames /
 std::string report_svg(std::span<const Report> reports) {
   double height = 8;
   for (const Report& report : reports)
-    height += head + foot +
-              (row_height + row_gap) * static_cast<double>(std::ranges::count_if(report.measures, has_values));
+    height += head + foot + (row_height + row_gap) * static_cast<double>(std::ranges::count_if(report.measures, has_values));
   std::string out = open_svg(height);
   double y = 8;
   for (const Report& report : reports) {
@@ -173,12 +172,18 @@ std::string measure_svg(const Report& report, MeasureId id) {
   std::string out = open_svg(height);
   const Frame frame{70, 70, width - 100, height - 120, duration_of(report), axis_top(m, info)};
   out += text(16, 26, "start", report.name + ": " + info.name, " font-size=\"16\" font-weight=\"bold\"");
-  out += text(16, 46, "start", std::string(info.meaning) + (m.total >= 0 ? ". Whole motion: " + with_unit(info, m.total) + " " + std::string(name_of(info.total)) : ". " + m.reason),
+  out += text(16, 46, "start",
+              std::string(info.meaning) +
+                  (m.total >= 0 ? ". Whole motion: " + with_unit(info, m.total) + " " + std::string(name_of(info.total)) : ". " + m.reason),
               " fill=\"#4b5563\"");
   out += plot(report, info, m, frame);
   const double tick = tick_distance(2 * frame.top);
   for (int k = 0; k * tick <= frame.top * (1 + 1e-9); ++k)
-    out += text(frame.x - 7, frame.at_value(k * tick) + 4, "end", to_fixed(k * tick, tick >= 1 ? 0 : tick >= 0.1 ? 1 : tick >= 0.01 ? 2 : 3));
+    out += text(frame.x - 7, frame.at_value(k * tick) + 4, "end",
+                to_fixed(k * tick, tick >= 1      ? 0
+                                   : tick >= 0.1  ? 1
+                                   : tick >= 0.01 ? 2
+                                                  : 3));
   out += time_axis(frame);
   return out + "</svg>\n";
 }

@@ -7,8 +7,8 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr double still = 1e-6;   // rad or m: an axis whose value changes by less is constant
-constexpr int samples = 21;      // values of each coordinate within its range
+constexpr double still = 1e-6;  // rad or m: an axis whose value changes by less is constant
+constexpr int samples = 21;     // values of each coordinate within its range
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -223,8 +223,8 @@ class Fit {
     return X * out_.X_LM;
   }
 
-  /// A single hinge (or universal or ball joint) is moved to the point that moves least: with R(q) and p(q) of M in F, the points c of F and
-  /// e of M minimise sum |c + R(q) e - p(q)|^2. A small weight on |e| decides the position along a hinge's axis.
+  /// A single hinge (or universal or ball joint) is moved to the point that moves least: with R(q) and p(q) of M in F, the points c of F
+  /// and e of M minimise sum |c + R(q) e - p(q)|^2. A small weight on |e| decides the position along a hinge's axis.
   void centre() {
     bool moves = false;
     for (int i = 3; i < 6; ++i) {
@@ -241,8 +241,8 @@ class Fit {
         const Mat3 R = chain_pose(q).R;
         const Vec3 p = model_.joint_pose(body_, q).p;
         for (int r = 0; r < 3; ++r) {
-          double row[7] = {r == 0 ? 1.0 : 0, r == 1 ? 1.0 : 0, r == 2 ? 1.0 : 0, R.row(r).x, R.row(r).y, R.row(r).z,
-                           r == 0 ? p.x : r == 1 ? p.y : p.z};
+          double row[7] = {
+              r == 0 ? 1.0 : 0, r == 1 ? 1.0 : 0, r == 2 ? 1.0 : 0, R.row(r).x, R.row(r).y, R.row(r).z, r == 0 ? p.x : r == 1 ? p.y : p.z};
           for (int a = 0; a < 6; ++a)
             for (int b = 0; b < 7; ++b) A[a][b] += row[a] * row[b];
         }
@@ -292,8 +292,7 @@ class Fit {
 
 }  // namespace
 
-void osim_joint_coordinates(const OsimBody& body, const OsimJointFit::Step& step, std::span<const double> q,
-                            std::span<double> out) {
+void osim_joint_coordinates(const OsimBody& body, const OsimJointFit::Step& step, std::span<const double> q, std::span<double> out) {
   double values[6] = {};
   std::vector<double> x;
   for (const int i : step.axes) {

@@ -66,8 +66,7 @@ class Reader {
     // OpenSim's usual ground axes are X forward, Y up, Z right.
     if (!(gravity.z < -std::fabs(gravity.y))) model_.to_world = {1, 0, 0, 0, 0, -1, 0, 1, 0};
     for (const pugi::xml_node body : node.child("BodySet").child("objects").children("Body")) read_body(body);
-    if (index_.empty() && !xml_.failed())
-      xml_.problem(node, ErrorCode::structure, "The model has no <Body>.", "Give a model with bodies.");
+    if (index_.empty() && !xml_.failed()) xml_.problem(node, ErrorCode::structure, "The model has no <Body>.", "Give a model with bodies.");
     for (const pugi::xml_node joint : node.child("JointSet").child("objects").children())
       if (!xml_.full()) read_joint(joint, -1);
     if (!xml_.failed()) read_couplers(node.child("ConstraintSet").child("objects"));
@@ -190,10 +189,15 @@ class Reader {
     const Vec3 unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     for (std::size_t i = 0; i < 6; ++i) body.motion[i].axis = unit[i % 3];
     if (kind == "CustomJoint") return read_transform(node, body);
-    static const std::map<std::string_view, std::vector<int>> axes = {
-        {"WeldJoint", {}},         {"PinJoint", {2}},        {"SliderJoint", {3}},       {"UniversalJoint", {0, 1}},
-        {"BallJoint", {0, 1, 2}},  {"GimbalJoint", {0, 1, 2}}, {"PlanarJoint", {2, 3, 4}}, {"FreeJoint", {0, 1, 2, 3, 4, 5}},
-        {"EllipsoidJoint", {0, 1, 2}}};
+    static const std::map<std::string_view, std::vector<int>> axes = {{"WeldJoint", {}},
+                                                                      {"PinJoint", {2}},
+                                                                      {"SliderJoint", {3}},
+                                                                      {"UniversalJoint", {0, 1}},
+                                                                      {"BallJoint", {0, 1, 2}},
+                                                                      {"GimbalJoint", {0, 1, 2}},
+                                                                      {"PlanarJoint", {2, 3, 4}},
+                                                                      {"FreeJoint", {0, 1, 2, 3, 4, 5}},
+                                                                      {"EllipsoidJoint", {0, 1, 2}}};
     const auto it = axes.find(kind);
     if (it == axes.end()) {
       xml_.note(node, "The joint type <" + std::string(kind) + "> is not supported; the body is fixed to its parent.");

@@ -48,10 +48,10 @@ struct OsimAxis {
 struct OsimBody {
   std::string name;
   pugi::xml_node node;
-  Inertia inertia;         ///< in the body's frame
-  int parent = -1;         ///< body; -1: ground
-  std::string joint;       ///< name of its joint; empty: none
-  Pose X_PF, X_BM;         ///< F in the parent body's frame, M in the body's frame
+  Inertia inertia;                 ///< in the body's frame
+  int parent = -1;                 ///< body; -1: ground
+  std::string joint;               ///< name of its joint; empty: none
+  Pose X_PF, X_BM;                 ///< F in the parent body's frame, M in the body's frame
   std::array<OsimAxis, 6> motion;  ///< three rotations, three translations
   std::vector<int> coordinates;    ///< the joint's coordinates
   struct Sphere {
@@ -93,7 +93,6 @@ struct OsimJointFit {
 [[nodiscard]] OsimJointFit fit_joint(const OsimModel& model, const OsimBody& body);
 
 /// Coordinates of one step of the chain. @param q [OsimModel::coordinates], complete @param out [>= nq of the joint]
-void osim_joint_coordinates(const OsimBody& body, const OsimJointFit::Step& step, std::span<const double> q,
-                            std::span<double> out);
+void osim_joint_coordinates(const OsimBody& body, const OsimJointFit::Step& step, std::span<const double> q, std::span<double> out);
 
 }  // namespace ugoki::robot_formats

@@ -10,7 +10,8 @@ namespace ugoki::robot_formats {
 
 enum class RobotFormat { urdf, sdf, mjcf, osim };
 
-/// Returns the format for the root element's name: <robot>, <sdf>, <mujoco>, <OpenSimDocument>; std::nullopt for others. O(length of the text before it)
+/// Returns the format for the root element's name: <robot>, <sdf>, <mujoco>, <OpenSimDocument>; std::nullopt for others. O(length of the
+/// text before it)
 [[nodiscard]] std::optional<RobotFormat> robot_format_of(std::string_view text);
 
 /// Reads URDF, SDF, MJCF or an OpenSim model.

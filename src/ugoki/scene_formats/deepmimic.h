@@ -9,8 +9,8 @@
 
 namespace ugoki::scene_formats {
 
-/// Reads `Frames`: each has its duration, the root's position and rotation (w first), then a quaternion for each spherical and an angle about
-/// z for each revolute joint. Frames of other than equal durations are interpolated.
+/// Reads `Frames`: each has its duration, the root's position and rotation (w first), then a quaternion for each spherical and an angle
+/// about z for each revolute joint. Frames of other than equal durations are interpolated.
 /// @param character text of the character file that defines the joints; empty: the humanoid of DeepMimic, whose frames have 44 numbers
 /// Errors: not JSON, no frames, a frame of another length. Each problem has its location.
 [[nodiscard]] Result<MeasuredMotion> read_deepmimic(std::string_view text, std::string_view file_name, std::string_view character = {},

@@ -161,7 +161,8 @@ Result<MeasuredMotion> read_deepmimic(std::string_view text, std::string_view fi
   if (std::fabs(out.rate - std::round(out.rate)) < 1e-3 * out.rate) out.rate = std::round(out.rate);
   const double length = n > 1 ? times.back() : 0;
   if (length > 7200 || out.rate > 2000)
-    return fail(problem(file_name, "Frames", ErrorCode::range, "The motion is longer than two hours, or has more than 2000 frames per second.",
+    return fail(problem(file_name, "Frames", ErrorCode::range,
+                        "The motion is longer than two hours, or has more than 2000 frames per second.",
                         "Correct the durations of the frames."));
   if (!even && notes != nullptr)
     notes->remarks.push_back("The frames have different durations; the motion is interpolated to 60 frames per second.");
@@ -177,7 +178,8 @@ Result<MeasuredMotion> read_deepmimic(std::string_view text, std::string_view fi
     if (j.kind == Kind::revolute) joint.dofs.push_back({{0, -1, 0}, false, 0, 0});
     if (j.kind == Kind::root || j.kind == Kind::spherical)
       for (const Vec3& axis : {Vec3{0, 0, 1}, Vec3{1, 0, 0}, Vec3{0, 1, 0}}) joint.dofs.push_back({axis, false, 0, 0});
-    const bool leaf = std::none_of(joints.begin(), joints.end(), [&](const Joint& o) { return o.parent == static_cast<int>(out.skeleton.joints.size()); });
+    const bool leaf = std::none_of(joints.begin(), joints.end(),
+                                   [&](const Joint& o) { return o.parent == static_cast<int>(out.skeleton.joints.size()); });
     if (leaf && norm(j.end) > 0) joint.end_sites.push_back(to_z_up(j.end));
     out.skeleton.joints.push_back(std::move(joint));
   }

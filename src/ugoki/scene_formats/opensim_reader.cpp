@@ -18,9 +18,9 @@ using robot_formats::OsimBody;
 using robot_formats::OsimJointFit;
 using robot_formats::OsimModel;
 
-constexpr double uneven = 0.02;        // relative difference of time steps above which a table is interpolated
-constexpr double usual_rate = 100;     // frames per second of interpolated tables
-constexpr double longest = 7200;       // s
+constexpr double uneven = 0.02;     // relative difference of time steps above which a table is interpolated
+constexpr double usual_rate = 100;  // frames per second of interpolated tables
+constexpr double longest = 7200;    // s
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -96,8 +96,8 @@ bool read_table(std::string_view text, Problems& problems, Table& out) {
 /// A joint of the skeleton: one for each body, at the joint's centre.
 struct Bone {
   OsimJointFit fit;
-  Pose X_BL;        // the last link of the joint's chain in the body's frame
-  Pose rest;        // world pose at rest
+  Pose X_BL;  // the last link of the joint's chain in the body's frame
+  Pose rest;  // world pose at rest
 };
 
 class Converter {
@@ -168,7 +168,8 @@ class Converter {
     for (std::size_t i = 0; i < column_.size(); ++i)
       if (column_[i] < 0 && !model_.coordinates[i].locked && model_.coordinates[i].source < 0)
         missing += (missing.empty() ? "" : ", ") + model_.coordinates[i].name;
-    if (!missing.empty() && found > 0) notes_.remarks.push_back("No column gives " + missing.substr(0, 300) + "; they keep their defaults.");
+    if (!missing.empty() && found > 0)
+      notes_.remarks.push_back("No column gives " + missing.substr(0, 300) + "; they keep their defaults.");
     return problems_.empty();
   }
 
@@ -253,14 +254,17 @@ class Converter {
       bool leaf = true;
       for (const OsimBody& other : model_.bodies) leaf = leaf && (other.parent != static_cast<int>(i));
       // The end of a bone without a further joint is unknown: a bar with its centre of mass is twice as long.
-      if (std::ranges::any_of(std::array{"torso", "thorax", "trunk"}, [&](const char* word) { return body.name.starts_with(word); }) && !leaf)
+      if (std::ranges::any_of(std::array{"torso", "thorax", "trunk"}, [&](const char* word) { return body.name.starts_with(word); }) &&
+          !leaf)
         trunk_ = static_cast<int>(i);
       if (leaf && body.inertia.mass > 0)
         joint.end_sites.push_back(bones_[i].rest.R * (bones_[i].X_BL.inverse() * body.inertia.centre()) * 2);
       out.skeleton.joints.push_back(std::move(joint));
     }
     // Most models have one body for trunk and head. The head begins at about 1.7 times the height of its centre of mass above its joint.
-    const bool head = std::ranges::any_of(model_.bodies, [](const OsimBody& b) { return b.name.find("head") != std::string::npos || b.name.find("skull") != std::string::npos; });
+    const bool head = std::ranges::any_of(model_.bodies, [](const OsimBody& b) {
+      return b.name.find("head") != std::string::npos || b.name.find("skull") != std::string::npos;
+    });
     if (head || trunk_ < 0) return;
     const Bone& bone = bones_[at(trunk_)];
     const Vec3 centre = bone.rest.R * (bone.X_BL.inverse() * model_.bodies[at(trunk_)].inertia.centre());

@@ -67,8 +67,7 @@ void SceneJoints::append_frame(MeasuredMotion& motion, std::span<const Affine> w
     const int parent = skeleton_.joints[j].parent;
     // G: rotation of the joint from the rest pose, in which joint frames are parallel to the world's axes.
     std::optional<Mat3> G;
-    if (std::fabs(rest_[j].M.determinant()) > 1e-18)
-      G = nearest_rotation(R_ * (world[j].M * inverse(rest_[j].M)) * R_.transposed());
+    if (std::fabs(rest_[j].M.determinant()) > 1e-18) G = nearest_rotation(R_ * (world[j].M * inverse(rest_[j].M)) * R_.transposed());
     if (!G) {
       ++flat_;
       G = parent < 0 ? Mat3::identity() : turned_[static_cast<std::size_t>(parent)];

@@ -59,7 +59,7 @@ class SceneJoints {
   Skeleton skeleton_;
   std::vector<Affine> rest_;
   std::vector<Mat3> turned_;
-  std::set<std::string> used_;         ///< names of joints
+  std::set<std::string> used_;        ///< names of joints
   std::map<std::string, int> names_;  ///< number that was appended last to each name
   long flat_ = 0;
 };

@@ -332,8 +332,8 @@ class SceneReader {
   std::vector<Node> nodes_;
   std::map<std::string, int, std::less<>> index_;
   std::vector<std::size_t> joints_;  ///< [joints] index in nodes_
-  Mat3 R_ = Mat3::identity();  ///< from the file's axes to ours
-  double metres_ = 1;          ///< m per file unit
+  Mat3 R_ = Mat3::identity();        ///< from the file's axes to ours
+  double metres_ = 1;                ///< m per file unit
   SceneJoints frames_;
   std::vector<Affine> rest_locals_;  ///< [nodes] transformation relative to the parent in the rest pose
   std::vector<Affine> world_;        ///< [nodes] world transform in the frame that add_frame() computes

@@ -74,14 +74,14 @@ struct TransformStep {
 /// The skeleton of one Skeleton prim and its animation.
 struct UsdSkeleton {
   int prim = 0;
-  std::size_t first = 0;                           ///< index of its first joint among all joints
-  std::vector<int> parents;                        ///< [joints] index in this skeleton; -1: none
-  std::vector<std::string> names;                  ///< [joints]
-  std::vector<std::size_t> listed;                 ///< [joints] index in the file's order
-  std::vector<Affine> rest;                        ///< [joints] relative to the parent
-  std::vector<Affine> bind;                        ///< [joints] in the skeleton's frame
-  int animation = -1;                              ///< index of its prim; -1: none
-  std::vector<int> animated;                       ///< [joints] index in the animation's joints; -1: at rest
+  std::size_t first = 0;            ///< index of its first joint among all joints
+  std::vector<int> parents;         ///< [joints] index in this skeleton; -1: none
+  std::vector<std::string> names;   ///< [joints]
+  std::vector<std::size_t> listed;  ///< [joints] index in the file's order
+  std::vector<Affine> rest;         ///< [joints] relative to the parent
+  std::vector<Affine> bind;         ///< [joints] in the skeleton's frame
+  int animation = -1;               ///< index of its prim; -1: none
+  std::vector<int> animated;        ///< [joints] index in the animation's joints; -1: at rest
 };
 
 class UsdReader {
@@ -151,7 +151,8 @@ class UsdReader {
         step.kind = name.substr(8, name.find(':', 8) - 8);
         const std::size_t wanted = width_of(step.kind);
         if (wanted == 0)
-          return refuse(step.attribute->line, ErrorCode::unsupported, "The transformation " + formats::in_quotes(name) + " is not supported.",
+          return refuse(step.attribute->line, ErrorCode::unsupported,
+                        "The transformation " + formats::in_quotes(name) + " is not supported.",
                         "Use translate, rotate, orient, scale or transform.");
         if (!check_length(*step.attribute, name, wanted, "a transformation needs ")) return false;
         stack.push_back(std::move(step));
@@ -225,7 +226,8 @@ class UsdReader {
         return refuse(joints->line, ErrorCode::duplicate, "The joint " + formats::in_quotes(paths[k]) + " is listed twice.", "Rename one.");
     const auto parent_of = [&](const std::string& path) {  // the closest listed joint whose path begins the path
       for (std::size_t to = path.rfind('/'); to != std::string::npos && to > 0; to = path.rfind('/', to - 1))
-        if (const auto found = by_path.find(std::string_view(path).substr(0, to)); found != by_path.end()) return static_cast<int>(found->second);
+        if (const auto found = by_path.find(std::string_view(path).substr(0, to)); found != by_path.end())
+          return static_cast<int>(found->second);
       return -1;
     };
     // Parents come before children: a path is longer than that of its parent.
@@ -292,7 +294,8 @@ class UsdReader {
   /// Makes each animated prim a joint.
   void choose_prims() {
     for (std::size_t i = 0; i < layer_.prims.size(); ++i) {
-      if (!shown_[i] || !is_animated(static_cast<int>(i)) || layer_.prims[i].type == "Camera" || layer_.prims[i].type.ends_with("Light")) continue;
+      if (!shown_[i] || !is_animated(static_cast<int>(i)) || layer_.prims[i].type == "Camera" || layer_.prims[i].type.ends_with("Light"))
+        continue;
       joint_of_prim_.emplace(static_cast<int>(i), static_cast<int>(prims_.size()));
       prims_.push_back(static_cast<int>(i));
     }
@@ -443,8 +446,8 @@ class UsdReader {
   const SceneOptions& options_;
   formats::ReadNotes& notes_;
   Error error_;
-  std::map<std::string_view, int> index_;  ///< prims by path
-  std::vector<bool> shown_;                 ///< [prims] defined and active, like all prims above
+  std::map<std::string_view, int> index_;           ///< prims by path
+  std::vector<bool> shown_;                         ///< [prims] defined and active, like all prims above
   std::vector<std::vector<TransformStep>> stacks_;  ///< [prims]
   std::vector<bool> resets_;                        ///< [prims] the transformations of the parents do not act on the prim
   std::vector<UsdSkeleton> skeletons_;
@@ -458,8 +461,7 @@ class UsdReader {
 
 bool is_binary_usd(std::string_view bytes) { return bytes.starts_with("PXR-USDC") || bytes.starts_with("PK\x03\x04"); }
 
-Result<MeasuredMotion> read_usd(std::string_view text, std::string_view file_name, const SceneOptions& options,
-                                formats::ReadNotes* notes) {
+Result<MeasuredMotion> read_usd(std::string_view text, std::string_view file_name, const SceneOptions& options, formats::ReadNotes* notes) {
   if (is_binary_usd(text))
     return fail(ErrorCode::unsupported, std::string(file_name), "The file is binary USD, which Ugoki does not read.",
                 "Convert it to text with the tools of OpenUSD (usdcat --flatten FILE -o NEW.usda).");

@@ -403,7 +403,7 @@ class Parser {
   int line_ = 1;
   formats::Problems problems_;
   UsdLayer layer_;
-  std::map<std::string, int, std::less<>> index_;                   ///< prims by path
+  std::map<std::string, int, std::less<>> index_;                ///< prims by path
   std::map<std::pair<int, std::string>, std::string> variants_;  ///< selected variant by prim and set
 };
 

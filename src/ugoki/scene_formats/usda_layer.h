@@ -42,9 +42,9 @@ struct UsdLayer {
   std::vector<UsdPrim> prims;
 };
 
-/// Parses a file. Of the attributes, only those of skeletons, their animations and transformations are kept; the others are skipped. Variants
-/// are read if they are selected in the file. Errors: syntax, nesting deeper than 200 prims, more than 200,000 prims, a kept attribute whose
-/// numbers are not finite.
+/// Parses a file. Of the attributes, only those of skeletons, their animations and transformations are kept; the others are skipped.
+/// Variants are read if they are selected in the file. Errors: syntax, nesting deeper than 200 prims, more than 200,000 prims, a kept
+/// attribute whose numbers are not finite.
 [[nodiscard]] Result<UsdLayer> read_usda_layer(std::string_view text, std::string_view file_name);
 
 }  // namespace ugoki::scene_formats

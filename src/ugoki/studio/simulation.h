@@ -95,7 +95,7 @@ class Simulation {
   virtual void encode_pose(double time, std::vector<std::byte>& out) = 0;
 
   [[nodiscard]] virtual CharacterSummary summary(int character) = 0;
-  [[nodiscard]] virtual MomentMeasures moment(int /*character*/) { return {}; }   ///< measures of the present instant
+  [[nodiscard]] virtual MomentMeasures moment(int /*character*/) { return {}; }     ///< measures of the present instant
   [[nodiscard]] virtual RunMeasures run_measures(int /*character*/) { return {}; }  ///< measures since time 0
   /// Number of feet that bear on the ground now; 255: the character has no feet.
   [[nodiscard]] virtual std::uint8_t feet_on_ground(int character) = 0;

@@ -90,8 +90,7 @@ class LateOutbox final : public Outbox {
 /// waits for the library's thread.
 class Studio::Impl final : public ServerEvents {
  public:
-  Impl(const StudioOptions& options, project::Project project)
-      : library_location_(options.library_path), library_(options.library_path) {
+  Impl(const StudioOptions& options, project::Project project) : library_location_(options.library_path), library_(options.library_path) {
     const std::string choices = (std::filesystem::path(store::Library::folder_of(options.library_path)) / "choices.json").string();
     const std::string recent = (std::filesystem::path(store::Library::folder_of(options.library_path)) / "recent.json").string();
     const SessionOptions session{[this](LibraryWork work) { use_library(std::move(work)); }, recent, choices, options.interpreter};

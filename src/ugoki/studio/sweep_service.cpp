@@ -36,7 +36,8 @@ Result<sweep::TableAddress> address_of(const ApiRequest& request, const SweepPla
 
 Result<ApiReply> list(const SweepPlaces& places) {
   Json tables = Json::array();
-  for (const sweep::FoundTable& t : sweep::find_tables(places.folder)) tables.push_back({{"table", t.name}, {"name", t.name}, {"runs", t.runs}});
+  for (const sweep::FoundTable& t : sweep::find_tables(places.folder))
+    tables.push_back({{"table", t.name}, {"name", t.name}, {"runs", t.runs}});
   if (store::is_postgres(places.library)) {
     const Result<std::vector<sweep::FoundTable>> found = sweep::find_sweeps(places.library);
     if (!found) return fail(found.error());

@@ -30,9 +30,9 @@ struct TablePlot {
   std::string svg;
   std::size_t points = 0;  ///< number of drawn runs
 };
-/// Draws the column `labels.y` over the column `labels.x`, with a series for each value of the column `labels.series` (empty: one series). Runs
-/// without a value are left out. An empty title becomes the names of the columns.
-/// Errors: those of read_columns() and plot_svg(); a value of `labels.y` is not a number.
+/// Draws the column `labels.y` over the column `labels.x`, with a series for each value of the column `labels.series` (empty: one series).
+/// Runs without a value are left out. An empty title becomes the names of the columns. Errors: those of read_columns() and plot_svg(); a
+/// value of `labels.y` is not a number.
 [[nodiscard]] Result<TablePlot> plot_table(const TableAddress& address, PlotLabels labels);
 
 /// Returns about `count` ticks of an axis from `low` to `high`. Their distance is 1, 2 or 5 times a power of ten.

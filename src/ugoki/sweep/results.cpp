@@ -87,7 +87,8 @@ Result<Results> read_columns(const TableAddress& address, const std::vector<std:
       return fail(ErrorCode::unknown, name, "The table has no such column.", "Use one of: " + list + ".");
     sql += (sql.empty() ? "SELECT " : ", ") + quoted(name);
   }
-  const Result<store::Rows> rows = table->connection->query(sql + " FROM " + table_name(address) + " WHERE status = 'done' ORDER BY number");
+  const Result<store::Rows> rows =
+      table->connection->query(sql + " FROM " + table_name(address) + " WHERE status = 'done' ORDER BY number");
   if (!rows) return fail(rows.error());
   return results_of(columns, *rows);
 }
@@ -95,8 +96,8 @@ Result<Results> read_columns(const TableAddress& address, const std::vector<std:
 Result<Results> read_results(const TableAddress& address, std::uint64_t limit) {
   const Result<OpenTable> table = open_table(address);
   if (!table) return fail(table.error());
-  const Result<store::Rows> rows = table->connection->query("SELECT * FROM " + table_name(address) + " ORDER BY number LIMIT " +
-                                                            std::to_string(limit + 1));
+  const Result<store::Rows> rows =
+      table->connection->query("SELECT * FROM " + table_name(address) + " ORDER BY number LIMIT " + std::to_string(limit + 1));
   if (!rows) return fail(rows.error());
   if (rows->size() > limit)
     return fail(ErrorCode::range, address.name.empty() ? address.location : address.name,
@@ -142,8 +143,8 @@ Result<std::vector<FoundTable>> find_sweeps(const std::string& location) {
   Result<std::unique_ptr<store::Connection>> connection = store::postgres_connection(location, true);
   if (!connection) return fail(std::move(connection.error()));
   std::vector<FoundTable> out;
-  const Result<store::Rows> exists = (*connection)->query(
-      "SELECT table_name::text FROM information_schema.tables WHERE table_schema = 'ugoki' AND table_name = 'sweep'");
+  const Result<store::Rows> exists =
+      (*connection)->query("SELECT table_name::text FROM information_schema.tables WHERE table_schema = 'ugoki' AND table_name = 'sweep'");
   if (!exists) return fail(exists.error());
   if (exists->empty()) return out;
   const Result<store::Rows> names = (*connection)->query("SELECT name FROM sweep ORDER BY name LIMIT 200");
