@@ -9,7 +9,7 @@ import { Card, entry_actions, use_entry } from './cards';
 
 const kinds: [KindFilter, string][] = [['all', 'All'], ['mechanism', 'Mechanisms'], ['motion', 'Motions']];
 const orders: [LibraryOrder, string][] = [['newest', 'Newest'], ['oldest', 'Oldest'], ['longest', 'Longest'], ['shortest', 'Shortest']];
-export const importable = '.bvh,.asf,.amc,.c3d,.trc,.csv,.glb,.gltf,.fbx,.dae,.mvnx,.npz,.mot,.sto,.osim,.txt,.json,.urdf,.sdf,.xml,.stl,.obj,.bin'; '.bvh,.asf,.amc,.c3d,.trc,.csv,.glb,.gltf,.fbx,.dae,.usda,.usd,.mvnx,.npz,.json,.urdf,.sdf,.xml,.stl,.obj,.bin';
+export const importable = '.bvh,.asf,.amc,.c3d,.trc,.csv,.glb,.gltf,.fbx,.dae,.usda,.usd,.mvnx,.npz,.mot,.sto,.osim,.txt,.json,.urdf,.sdf,.xml,.stl,.obj,.bin';
 const look_key = 'ugoki.library.look';
 
 function stored_look(): 'list' | 'grid' {
