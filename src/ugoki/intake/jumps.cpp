@@ -10,10 +10,6 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-}  // namespace
-
-namespace {
-
 /// Longest part of a recording without a jump: frames from ... to - 1.
 struct Cut {
   int jumps = 0, first = 0, from = 0, to = 0;
