@@ -192,9 +192,8 @@ class Stepper {
   void predict_grips(std::span<const StepSystem> systems, double dt);
   void add_grip(const Grip& grip, double dt);
   void take_grip_forces(double dt);
-  void make_loop_basis(std::size_t s, const StepSystem& system, double dt);
-  void solve_loops(std::size_t s);
-  double make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y);
+  void solve_loops(std::size_t s, const StepSystem& system, double dt);
+  double make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y, double& terms);
   void close_loops(std::size_t s, StepSystem& system);
 
   struct SystemScratch {
@@ -228,14 +227,11 @@ class Stepper {
       dynamics::ClosedLinks links;
       dynamics::LoopRows rows;
       dynamics::Workspace ws;       // working memory for closing the positions
-      std::size_t width = 0;        // nv, rounded up to a multiple of 4
-      std::vector<double> basis;    // [rank][width] orthonormal basis of the whitened loop rows; [rows][width] during orthogonalisation
-      std::vector<double> target;   // [rows] whitened velocity along each basis vector at which the loops close
+      std::vector<double> basis;    // [rank * nv] orthonormal basis of the whitened loop rows; [rows * nv] during orthogonalisation
+      std::vector<double> target;   // [rows] required component of w along each basis vector
       std::vector<double> minimum;  // [rows] squared row length below which the row is numerically zero
-      std::vector<double> square;   // [rows] squared row length
       std::vector<double> sparse;   // [4 * nv] scratch for up to three rows with entries on one chain only
-      std::vector<double> free_w;   // [width] whitened velocity without impulses
-      std::vector<double> impulse;  // [width] whitened impulse of the loops
+      std::vector<double> impulse;  // [nv] whitened impulse of the loops
       int rank = 0;
     };
     std::unique_ptr<Loops> loops;      // null: the mechanism has no closed loop

@@ -60,7 +60,6 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt) {
   x.singular_dof = x.factor.factor(ws, x.extra);
   if (x.singular_dof < 0 && x.by_tree) x.singular_dof = x.tree->begin(m, ws, system.q, x.v, x.factor, x.extra, options_.recovery_speed, dt);
   if (x.singular_dof >= 0) return;
-  if (x.loops && !x.by_tree) make_loop_basis(s, system, dt);
   x.has_free_motion = false;
   if (x.springs || !x.limited_links.empty())
     for (const Link& link : m.links()) joint_displacement(link.joint, system.q.data() + link.q_index, x.displacement.data() + link.v_index);
@@ -122,7 +121,7 @@ void Stepper::move_freely(std::size_t s, const StepSystem& system, double dt) {
   if (x.by_tree) return x.tree->move(*mechanisms_[s], ws, x.v, x.free_v);
   x.factor.solve(x.free_v);
   for (std::size_t i = 0; i < x.v.size(); ++i) x.free_v[i] += x.v[i];
-  if (x.loops) solve_loops(s);
+  if (x.loops) solve_loops(s, system, dt);
 }
 
 }  // namespace ugoki::contact

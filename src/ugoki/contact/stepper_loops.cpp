@@ -12,52 +12,35 @@ namespace ugoki::contact {
 namespace {
 // Newton steps that close the loops after a step; 4 left gaps of 1e-7 m where an impact turned a ring by a tenth of a radian in a step.
 constexpr int max_closing_steps = 8;
-
-/// Scalar product in four lanes, which are added at the end. @param n multiple of 4
-double product(const double* a, const double* b, std::size_t n) {
-  RowLanes sum = {};
-  for (std::size_t e = 0; e < n; e += 4) sum += row_lanes(a, static_cast<int>(e / 4)) * row_lanes(b, static_cast<int>(e / 4));
-  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
-
-/// a += factor b. @param n multiple of 4
-void add_multiple(double* a, double factor, const double* b, std::size_t n) {
-  for (std::size_t e = 0; e < n; e += 4) {
-    const auto k = static_cast<int>(e / 4);
-    RowLanes& to = *reinterpret_cast<RowLanes*>(a + 4 * k);
-    to += factor * row_lanes(b, k);
-  }
-}
-
 }  // namespace
 
 Stepper::SystemScratch::Loops::Loops(const Mechanism& m) : links(m), rows(m.loops()), ws(m) {
   const auto n = static_cast<std::size_t>(m.nv()), count = static_cast<std::size_t>(rows.count());
-  width = (n + 3) & ~std::size_t{3};
-  impulse.resize(width);
-  free_w.resize(width);
-  basis.resize(count * width);
+  impulse.resize(n);
+  basis.resize(count * n);
   target.resize(count);
   minimum.resize(count);
-  square.resize(count);
   sparse.resize(4 * n);
 }
 
 /// Calculates one whitened row of a loop.
 /// @param y      [nv, out] whitened row
-/// @return sum of the squared contributions to y; if y . y is a tiny fraction of this sum, the row is only rounding
-double Stepper::make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y) {
+/// @param terms  [out] sum of the squared contributions to y; if y . y is a tiny fraction of this sum, the row is only rounding
+/// @return m/s | rad/s: velocity along the row without impulses
+double Stepper::make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y, double& terms) {
   const dynamics::Workspace& ws = workspaces_[s];
   SystemScratch& x = scratch_[s];
   std::ranges::fill(y, 0.0);
-  double terms = 0;
+  double u = 0;
+  terms = 0;
   double* const rows = x.loops->sparse.data();
-  // Adds lane 0 of the whitened rows in `rows`, and the upper bound of the part of J on the chain of DOF `last`.
-  const auto add = [&](int last, auto&& square) {
+  // Adds lane `lane` of the whitened rows in `rows`, and the velocity and upper bound of the part of J on the chain of DOF `last`.
+  const auto add = [&](int last, auto&& entry, auto&& square) {
     const int* chain = ws.chain.data() + ws.row_start[static_cast<std::size_t>(last)];
     for (int k = 0; k <= ws.depth[static_cast<std::size_t>(last)]; ++k) {
       const auto f = static_cast<std::size_t>(chain[k]);
       y[f] += rows[4 * k];
+      u += entry(chain[k]) * x.free_v[f];
       terms += x.factor.inverse_pivot(f) * square(chain[k]);
     }
   };
@@ -66,7 +49,7 @@ double Stepper::make_loop_row(std::size_t s, const Loop& loop, int index, int ro
     const auto add_dof = [&](int dof, double value) {
       if (dof < 0) return;
       x.factor.whiten_row(dof, {&value, 1}, rows);
-      add(dof, [&](int f) { return f == dof ? value * value : 0.0; });
+      add(dof, [&](int f) { return f == dof ? value : 0.0; }, [&](int f) { return f == dof ? value * value : 0.0; });
     };
     add_dof(loop.dof_a, 1);
     add_dof(loop.dof_b, -slope);
@@ -78,27 +61,34 @@ double Stepper::make_loop_row(std::size_t s, const Loop& loop, int index, int ro
       if (last < 0) return;
       const Vec6 wrenches[3] = {w * sign, {}, {}};
       x.factor.whiten_wrenches(last, wrenches, rows);
-      add(last, [&](int f) {
-        const Vec6& S = ws.S[static_cast<std::size_t>(f)];
-        return turning * dot(S.w, S.w) + sliding * dot(S.v, S.v);
-      });
+      add(
+          last, [&](int f) { return sign * dot(w, ws.S[static_cast<std::size_t>(f)]); },
+          [&](int f) {
+            const Vec6& S = ws.S[static_cast<std::size_t>(f)];
+            return turning * dot(S.w, S.w) + sliding * dot(S.v, S.v);
+          });
     };
     add_link(loop.link_b, 1);
     add_link(loop.link_a, -1);
   }
-  return terms;
+  return u;
 }
 
-/// Calculates the orthonormal basis of the loop rows (Gram-Schmidt, longest row first), and the velocities along it at which the loops
-/// close. Rows that no joint moves, and remainders of dependent rows, are rounding and left out. Their threshold is calculated for each
-/// loop separately, because the loops of one mechanism may differ in mass by many orders of magnitude.
-void Stepper::make_loop_basis(std::size_t s, const StepSystem& system, double dt) {
+/// Calculates the orthonormal basis of the loop rows (Gram-Schmidt, longest row first) and changes free_v so that the loops close.
+/// Rows that no joint moves, and remainders of dependent rows, are rounding and left out. Their threshold is calculated for each loop
+/// separately, because the loops of one mechanism may differ in mass by many orders of magnitude.
+void Stepper::solve_loops(std::size_t s, const StepSystem& system, double dt) {
   SystemScratch& x = scratch_[s];
   SystemScratch::Loops& loops = *x.loops;
-  const std::size_t n = x.v.size(), width = loops.width;
+  const std::size_t n = x.v.size();
   const std::span<const Loop> all = mechanisms_[s]->loops();
   dynamics::update_loop_rows(*mechanisms_[s], workspaces_[s], all, system.q, x.v, loops.rows);
-  const auto row = [&](std::size_t k) { return loops.basis.data() + k * width; };
+  const auto row = [&](std::size_t k) { return std::span(loops.basis).subspan(k * n, n); };
+  const auto product = [&](std::span<const double> a, std::span<const double> b) {
+    double sum = 0;
+    for (std::size_t k = 0; k < n; ++k) sum += a[k] * b[k];
+    return sum;
+  };
   std::size_t count = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!loops.links.is_closed(static_cast<int>(i))) continue;
@@ -107,59 +97,46 @@ void Stepper::make_loop_basis(std::size_t s, const StepSystem& system, double dt
     for (int k = 0; k < all[i].rows(); ++k) {
       const auto r = count + static_cast<std::size_t>(k);
       const int at = loops.rows.first[i] + k;
-      std::fill(row(r) + n, row(r) + width, 0.0);
-      loops.minimum[r] = dynamics::immobile_row * make_loop_row(s, all[i], static_cast<int>(i), at, {row(r), n});
-      loops.square[r] = product(row(r), row(r), width);
+      const double u = make_loop_row(s, all[i], static_cast<int>(i), at, row(r), loops.minimum[r]);
+      loops.minimum[r] *= dynamics::immobile_row;
       // Bounded: a mechanism whose loops are open at the start must not close them at a high speed. Positions are closed after the step.
-      loops.target[r] = -std::clamp(loops.rows.gap[static_cast<std::size_t>(at)] / dt, -options_.recovery_speed, options_.recovery_speed);
-      kind(k) = std::max(kind(k), loops.square[r]);
+      const double closing =
+          std::clamp(loops.rows.gap[static_cast<std::size_t>(at)] / dt, -options_.recovery_speed, options_.recovery_speed);
+      loops.target[r] = -(u + closing);
+      kind(k) = std::max(kind(k), product(row(r), row(r)));
     }
     for (int k = 0; k < all[i].rows(); ++k, ++count)
       loops.minimum[count] = std::max(loops.minimum[count], dynamics::dependent_correction * 1e-4 * kind(k));
   }
+  std::vector<double>& impulse = loops.impulse;
+  std::ranges::fill(impulse, 0.0);
   std::size_t rank = 0;
   for (; rank < count; ++rank) {
     std::size_t best = rank;
     double maximum = 0;
     for (std::size_t k = rank; k < count; ++k)
-      if (loops.square[k] > maximum && loops.square[k] > loops.minimum[k]) {
-        maximum = loops.square[k];
+      if (const double square = product(row(k), row(k)); square > maximum && square > loops.minimum[k]) {
+        maximum = square;
         best = k;
       }
     if (!(maximum > 0)) break;  // all remaining rows depend on those in the basis
-    std::swap_ranges(row(rank), row(rank) + width, row(best));
+    std::ranges::swap_ranges(row(rank), row(best));
     std::swap(loops.target[rank], loops.target[best]);
     std::swap(loops.minimum[rank], loops.minimum[best]);
-    std::swap(loops.square[rank], loops.square[best]);
     const auto remove = [&](std::size_t from, std::size_t k) {
-      const double part = product(row(k), row(from), width);
-      add_multiple(row(from), -part, row(k), width);
+      const double part = product(row(k), row(from));
+      for (std::size_t e = 0; e < n; ++e) row(from)[e] -= part * row(k)[e];
       loops.target[from] -= part * loops.target[k];
     };
     for (std::size_t k = 0; k < rank; ++k) remove(rank, k);  // repeated orthogonalisation removes the rounding of short rows
-    const double inverse = 1 / std::sqrt(product(row(rank), row(rank), width));
-    for (std::size_t e = 0; e < n; ++e) row(rank)[e] *= inverse;
+    const double inverse = 1 / std::sqrt(product(row(rank), row(rank)));
+    for (double& e : row(rank)) e *= inverse;
     loops.target[rank] *= inverse;
-    for (std::size_t k = rank + 1; k < count; ++k) {
-      remove(k, rank);
-      loops.square[k] = product(row(k), row(k), width);
-    }
+    for (std::size_t k = rank + 1; k < count; ++k) remove(k, rank);
+    for (std::size_t e = 0; e < n; ++e) impulse[e] += loops.target[rank] * row(rank)[e];
   }
   loops.rank = static_cast<int>(rank);
-}
-
-/// Changes free_v by impulses of the loops, so that the loops close.
-void Stepper::solve_loops(std::size_t s) {
-  SystemScratch& x = scratch_[s];
-  SystemScratch::Loops& loops = *x.loops;
-  const std::size_t n = x.v.size(), width = loops.width;
-  x.factor.whiten_velocity(x.free_v, std::span(loops.free_w).first(n));
-  std::ranges::fill(loops.impulse, 0.0);
-  for (std::size_t k = 0; k < static_cast<std::size_t>(loops.rank); ++k) {
-    const double* const q = loops.basis.data() + k * width;
-    add_multiple(loops.impulse.data(), loops.target[k] - product(q, loops.free_w.data(), width), q, width);
-  }
-  x.factor.add_whitened(std::span(loops.impulse).first(n), x.free_v);
+  x.factor.add_whitened(impulse, x.free_v);
 }
 
 /// Writes the last segment of the solver: the whitened rows on the chain of DOF `last` in Loops::sparse become rows on all DOFs, projected
@@ -173,7 +150,7 @@ void Stepper::spread_over_loops(std::size_t s, int last) {
   std::fill_n(y, 4 * n, 0.0);
   for (int e = 0; e <= ws.depth[static_cast<std::size_t>(last)]; ++e) row_lanes(y, chain[e]) = row_lanes(loops.sparse.data(), e);
   for (int k = 0; k < loops.rank; ++k) {
-    const double* const q = loops.basis.data() + static_cast<std::size_t>(k) * loops.width;
+    const double* const q = loops.basis.data() + static_cast<std::ptrdiff_t>(k) * n;
     RowLanes part = {};
     for (int e = 0; e < n; ++e) part += q[e] * row_lanes(y, e);
     for (int e = 0; e < n; ++e) row_lanes(y, e) -= part * q[e];

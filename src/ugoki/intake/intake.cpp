@@ -390,8 +390,12 @@ std::string skeleton_name_for(std::string_view amc_name) {
 }
 
 Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const formats::Asf* asf, const IntakeOptions& options) {
-  const std::optional<FileKind> kind = file_kind(file_name);
+  std::optional<FileKind> kind = file_kind(file_name);
   const std::string location(file_name);
+  if (kind == FileKind::deepmimic) {  // other texts have this extension too
+    const std::size_t begin = bytes.find_first_not_of(" \t\r\n");
+    if (begin == std::string_view::npos || bytes[begin] != '{') kind.reset();
+  }
   if (options.axes && !options.axes->valid())
     return fail(ErrorCode::range, location, "Up and forward cannot be the same axis.", "Choose another forward axis.");
   if (!kind)
