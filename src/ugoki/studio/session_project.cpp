@@ -15,8 +15,8 @@ namespace {
 using json::Json;
 namespace fs = std::filesystem;
 
-constexpr std::size_t max_recent = 12;           // projects in the list of recent projects
-constexpr std::size_t max_recent_size = 65'536;  // maximum size of the stored list, bytes: 12 paths of at most 4096 bytes
+constexpr std::size_t max_recent = 24;            // projects in the list of recent projects
+constexpr std::size_t max_recent_size = 131'072;  // maximum size of the stored list, bytes: 24 paths of at most 4096 bytes
 
 /// The path that a request names: with the suffix .ugoki, and if relative, in the folder of the open project.
 fs::path named_path(const std::string& name, const std::string& open_project) {

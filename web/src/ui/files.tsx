@@ -84,7 +84,7 @@ export function OpenDialog(): ReactElement {
               <li key={r.path}>
                 <button type="button" onClick={() => void open(r.path)}>
                   <strong>{r.name}</strong>
-                  <span>{r.path}</span>
+                  <span><bdi>{r.path}</bdi></span>
                 </button>
               </li>
             ))}
