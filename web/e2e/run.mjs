@@ -37,6 +37,14 @@ async function recover(page, before) {
 
 const indented = (error) => String(error.message ?? error).split('\n').join('\n  ');
 
+/** What the page shows, for the message of a failed journey: focus, mode and the panels in sight. */
+const situation = (page) => page.evaluate(() => {
+  const focus = document.activeElement;
+  const panels = [...document.querySelectorAll('.tab')].filter((tab) => tab.checkVisibility()).map((tab) => tab.textContent);
+  return `focus: ${focus?.tagName}.${String(focus?.className ?? '')}; hidden: ${document.hidden}; transport: ${JSON.stringify(window.ugoki?.transport?.())}; tabs: ${panels.join(', ')}; ` +
+    `viewport: ${document.querySelector('.viewport > canvas')?.clientWidth}; dialogs: ${document.querySelectorAll('[role=dialog]').length}`;
+}).catch((e) => `unknown: ${e.message}`);
+
 /** Runs a journey, after a failure a second time; returns the error of the first attempt, or undefined. Throws what the second attempt throws. */
 async function attempt(journey, context, before) {
   const { page, service, seen } = context;
@@ -46,6 +54,7 @@ async function attempt(journey, context, before) {
     await journey.run(context);
     return undefined;
   } catch (error) {
+    error.message += `\n(${await situation(page)})`;
     await page.screenshot({ path: new URL(`./out/failed-${passed + failed + 1}.png`, import.meta.url).pathname }).catch(() => undefined);
     if (service.ended()) throw new Error(`the service ended during the journey '${journey.name}': ${service.output().slice(-1500)}`, { cause: error });
     if (!before) throw error;

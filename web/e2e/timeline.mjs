@@ -11,12 +11,19 @@ const label_of = async (page) => (await hook(page, 'undo()')).undo_label;
 const human_of = (doc) => doc.characters.find((c) => c.track.length > 0 && /human/i.test(c.name)) ?? doc.characters.find((c) => c.track.length > 0);
 const keys_of = (clip) => (clip.layers ?? []).flatMap((l) => l.joints.flatMap((j) => j.keys.map((k) => ({ link: j.link, ...k }))));
 const blur = (page) => page.evaluate('document.activeElement?.blur?.()');
+/** Switches the posing tool on, whatever the journey before left. */
+const pose = async (page) => {
+  if (!(await hook(page, 'posing()'))) await page.keyboard.press('e');
+};
 const select_link = async (page, character, name) => {
   const link = await hook(page, `link_index(${JSON.stringify(character)}, ${JSON.stringify(name)})`);
   assert.ok(link >= 0, `the link ${name}`);
-  const at = await hook(page, `link_on_screen(${JSON.stringify(character)}, ${link})`);
-  await page.mouse.click(at.x, at.y);
-  await until(page, async () => (await hook(page, 'selection()')).link === link, `the selected link ${name}`);
+  await until(page, async () => {
+    const at = await hook(page, `link_on_screen(${JSON.stringify(character)}, ${link})`); // moves while the camera moves
+    await page.mouse.click(at.x, at.y);
+    await page.waitForTimeout(100);
+    return (await hook(page, 'selection()')).link === link;
+  }, `the selected link ${name}`);
   return link;
 };
 
@@ -151,7 +158,7 @@ export const timeline_journeys = [
       await page.locator(`[data-character="${human.id}"] .track-name`).click();
       await blur(page);
       await page.keyboard.press('Shift+ArrowLeft');
-      await page.keyboard.press('e');
+      await pose(page);
       const note = page.locator('.pose-note');
       await note.getByText('has none here').waitFor();
       await page.screenshot({ path: `${pictures}pose-no-clip.png` });
@@ -211,7 +218,7 @@ export const timeline_journeys = [
       await page.keyboard.press('f');
       await page.waitForTimeout(700);
       await page.locator(`[data-character="${human.id}"] .track-name`).click();
-      await page.keyboard.press('e');
+      await pose(page);
       await until(page, async () => (await hook(page, 'posing()'))?.ready, 'the pose of the playhead');
       await select_link(page, human.id, 'shank right');
       await page.getByRole('tab', { name: 'Curves' }).click();
@@ -219,6 +226,7 @@ export const timeline_journeys = [
       await page.locator('.curve-plot canvas').waitFor();
       const drawn = await page.waitForFunction(() => {
         const canvas = document.querySelector('.curve-plot canvas');
+        if (canvas.width === 0 || canvas.height === 0) return false; // before the first layout of the panel
         const [r, g, b] = getComputedStyle(canvas).getPropertyValue('--simulated').match(/\w\w/g).map((x) => parseInt(x, 16));
         const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
         let count = 0;

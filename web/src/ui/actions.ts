@@ -562,7 +562,7 @@ const commands: AppCommand[] = [
       if (state().dialog !== 'none') return session.set({ dialog: 'none' });
       if (page.getState().tour !== null) return end_tour();
       if (parts.pointer?.abandon() || poser.restore()) return;
-      if (poser.state.on && state().selection.kind === 'character') return poser.switch_on(false);
+      if (poser.state.on && (state().selection.kind === 'character' || state().selection.kind === 'none')) return poser.switch_on(false);
       session.select({ kind: 'none' });
     },
   },

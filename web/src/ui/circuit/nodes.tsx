@@ -44,6 +44,7 @@ function Pin({ node, pin, index }: { node: ViewNode; pin: PinInfo; index: number
         position={pin.side === 'in' ? Position.Left : Position.Right}
         id={`${pin.side}:${pin.name}`}
         className={`pin hue-${hue_of(pin.type)}${fresh ? ' fresh' : ''}`}
+        role="img"
         aria-label={`${pin.side === 'in' ? 'Input' : 'Output'} ${fresh ? 'new pin' : pin.name}, ${pin.type}`}
         onDoubleClick={(e) => {
           e.stopPropagation();
