@@ -30,6 +30,7 @@ struct Options {
   std::vector<double> phases;
   double height = 0, speed = -1, turn = 0, slope = 0, stairs = 0, stair_depth = 0.3, assist = 0;
   bool stride = false, moving = false, json = false;
+  bool timed = false;  ///< the duration was given
   gait::GaitOptions gait;
   SourceOptions source;
 };
@@ -137,6 +138,8 @@ int run_gait(const Options& o) {
     if (!speed) return print_error(speed.error(), o.json);
     stage.speed = *speed;
   }
+  if (options->path.size() > 1 && !o.timed && !o.stride && !o.moving)
+    if (const Result<void> fitted = gait::fit_to_path(*body, *options); !fitted) return print_error(fitted.error(), o.json);
   gait::GaitReport report;
   const Result<Motion> made = gait::make_gait(*body, *options, &report);
   if (!made) return print_error(made.error(), o.json);
@@ -197,7 +200,9 @@ void add_gait_verb(CLI::App& app, Action& action) {
   verb->add_option("--speed", o->speed, "m/s (default: a usual speed of the kind)")->check(number_from(0, 100));
   verb->add_option("--turn", o->turn, "Degrees per second, positive to the left")->check(number_from(-570, 570))->capture_default_str();
   verb->add_option("--then", o->then, "Further stage TIME,KIND,SPEED,TURN (s, m/s, degrees per second), for example 5,walk,1.5,0");
-  verb->add_option("--seconds", o->gait.seconds, "Duration")->check(number_from(0.05, 3600))->capture_default_str();
+  const CLI::Option* seconds = verb->add_option("--seconds", o->gait.seconds, "Duration; with --path: until the end of the path")
+                                   ->check(number_from(0.05, 3600))
+                                   ->capture_default_str();
   verb->add_flag("--stride", o->stride, "One stride, cyclic, instead of a duration");
   verb->add_flag("--moving", o->moving, "Do not start and end with standing");
   verb->add_option("--style", o->style, "usual, sneak, tired, proud, hurried")->capture_default_str();
@@ -224,7 +229,8 @@ void add_gait_verb(CLI::App& app, Action& action) {
   verb->footer(
       "Example:\n  ugoki gait human --kind walk --speed 1.25 --seconds 10 --turn 45 -o walk.bvh\n  ugoki gait dog --kind trot --speed 2 "
       "--then 5,trot,2.5,0 --project dog.ugoki\n  ugoki gait robot.urdf --stride -o step.glb");
-  verb->callback([o, &action] {
+  verb->callback([o, seconds, &action] {
+    o->timed = seconds->count() > 0;
     if (o->body.empty() && !(o->height > 0)) throw CLI::ValidationError("body", "or --height is required.");
     action = [o] { return run_gait(*o); };
   });

@@ -80,6 +80,27 @@ TEST_F(CommandsTest, MovesTrimsStretchesSlips) {
   EXPECT_EQ(good(R"({"type": "clip.set", "character": "human", "id": "k2", "loop": false, "length": 1})"), "Stop looping clip");
 }
 
+TEST_F(CommandsTest, RecipesOfGaitsStayWithTheirMotion) {
+  good(
+      R"({"type": "clip.set", "character": "human", "id": "k1", "gait": {"kind": "walk", "speed": 1.1, "path": [[2, 0], [3, 1]], "stages": [{"time": 3, "speed": 0.5}]}})");
+  ASSERT_TRUE(clip("k1")->gait);
+  EXPECT_EQ(clip("k1")->gait->speed, 1.1);
+  EXPECT_EQ(clip("k1")->gait->path[1], (std::array{3.0, 1.0}));
+  const Scenario read = read_scenario(write_scenario(document), "test").value();
+  EXPECT_EQ(read, document) << "the document has the recipe";
+  good(R"({"type": "clip.set", "character": "human", "id": "k1", "start": 0.25})");
+  EXPECT_TRUE(clip("k1")->gait);
+  good(R"({"type": "clip.set", "character": "human", "id": "k1", "motion": "n-step", "length": 0.5, "offset": 0})");
+  EXPECT_FALSE(clip("k1")->gait) << "the recipe describes the former motion";
+  good(R"({"type": "clip.set", "character": "human", "id": "k1", "gait": {}})");
+  good(R"({"type": "clip.set", "character": "human", "id": "k1", "gait": null})");
+  EXPECT_FALSE(clip("k1")->gait);
+  bad(R"({"type": "clip.set", "character": "human", "id": "k1", "gait": {"pace": 2}})", ErrorCode::unknown, "command/gait/pace");
+  bad(R"({"type": "clip.set", "character": "human", "id": "k1", "gait": {"path": [[1]]}})", ErrorCode::syntax, "command/gait/path/0");
+  bad(R"({"type": "clip.set", "character": "human", "id": "k1", "gait": {"seconds": 1e9}})", ErrorCode::range,
+      "scenario/characters/0/track/0/gait/seconds");
+}
+
 TEST_F(CommandsTest, SplitsClips) {
   EXPECT_EQ(good(R"({"type": "clip.split", "character": "human", "id": "k3", "time": 5.4})"), "Split clip");
   EXPECT_NEAR(clip("k3")->length, 0.4, 1e-12);

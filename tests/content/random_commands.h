@@ -26,7 +26,10 @@ class RandomCommands {
       case 2: return clip_command(s, R"("start": )" + number(0, 8));
       case 3: return clip_command(s, R"("length": )" + number(0.05, 2.1));
       case 4: return clip_command(s, R"("offset": )" + number(0, 0.5) + R"(, "length": 0.4)");
-      case 5: return clip_command(s, R"("speed": )" + number(0.5, 2) + R"(, "length": 0.2)");
+      case 5:
+        if (pick(4) == 0)
+          return clip_command(s, R"("gait": {"kind": "walk", "speed": )" + number(0.5, 2) + R"(, "path": [[)" + number(1, 9) + ", 0]]}");
+        return clip_command(s, R"("speed": )" + number(0.5, 2) + R"(, "length": 0.2)");
       case 6: return s.characters.empty() || s.characters[0].track.size() < 3 ? next(s) : command_on(s, "clip.remove", "");
       case 7: return split_command(s);
       case 8: return R"({"type": "character.add", "mechanism": "m-ball", "place": {"x": )" + number(-5, 5) + "}}";
@@ -97,9 +100,9 @@ class RandomCommands {
                R"(, "length": )" + number(0.1, 5) + "}}";
       case 29:
         if (s.shots.empty()) return next(s);
-        return pick(3) == 0
-                   ? R"({"type": "shot.remove", "id": ")" + s.shots[pick(s.shots.size())].id + "\"}"
-                   : R"({"type": "shot.set", "id": ")" + s.shots[pick(s.shots.size())].id + R"(", "shot": {"start": )" + number(0, 9) + "}}";
+        return pick(3) == 0 ? R"({"type": "shot.remove", "id": ")" + s.shots[pick(s.shots.size())].id + "\"}"
+                            : R"({"type": "shot.set", "id": ")" + s.shots[pick(s.shots.size())].id + R"(", "shot": {"start": )" +
+                                  number(0, 9) + "}}";
       case 30: return look_command(s);
       case 31:
         return R"({"type": "pose.add", "pose": {"mechanism": "m-walker", "joints": [{"link": "leg", "q": [)" + number(-2, 2) +

@@ -220,6 +220,41 @@ TEST(Gait, PathIsFollowed) {
   EXPECT_NEAR(end.x, 5, 0.5);
 }
 
+// The duration is chosen such that the body stands at the end of the path, also where the path is too short for the speed.
+TEST(Gait, FittedGaitEndsAtTheEndOfThePath) {
+  for (const MechanismPtr& body : {person(), dog()})
+    for (const Vec3 end : {Vec3{1, 0.3, 0}, Vec3{5, 2, 0}}) {
+      GaitOptions o;
+      o.stages = {{0, GaitKind::walk, 0.9, 0}};
+      o.path = {{0, 0, 0}, {0.5 * end.x, 0, 0}, end};
+      ASSERT_TRUE(fit_to_path(body, o));
+      const Motion motion = make_gait(body, o).value();
+      const std::vector<std::vector<Pose>> X = poses_of(*body, motion);
+      // the root of the dog is behind its centre of mass
+      const Vec3 travelled = X.back()[0].p - X.front()[0].p;
+      EXPECT_NEAR(std::hypot(travelled.x, travelled.y), std::hypot(end.x, end.y), 0.12) << end.x << " " << body->name();
+      EXPECT_GT(motion.duration(), 1);
+    }
+  GaitOptions none;
+  none.stages = {{0, GaitKind::walk, 0.9, 0}};
+  EXPECT_FALSE(fit_to_path(person(), none));
+  none.path = {{0, 0, 0}, {3, 0, 0}};
+  none.stages[0].speed = 0;
+  EXPECT_FALSE(fit_to_path(person(), none));
+}
+
+TEST(Gait, CanBeCancelled) {
+  GaitOptions o;
+  o.stages = {{0, GaitKind::walk, 1, 0}};
+  o.seconds = 600;
+  int asked = 0;
+  o.cancelled = [&] { return ++asked > 10; };
+  const Result<Motion> made = make_gait(person(), o);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().problems.front().code, ErrorCode::cancelled);
+  EXPECT_LT(asked, 20);
+}
+
 // On a slope and on stairs, standing feet are on the ground, and no foot goes through it.
 TEST(Gait, FeetAreOnUnevenGround) {
   for (const bool stairs : {false, true}) {

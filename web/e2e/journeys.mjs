@@ -17,6 +17,7 @@ import { look_journeys } from './looks.mjs';
 import { request_journeys } from './requests.mjs';
 import { rule_journeys } from './rules.mjs';
 import { sweep_journeys } from './sweeps.mjs';
+import { gait_journeys } from './gaits.mjs';
 import { library_journeys } from './library.mjs';
 import { motion_journeys } from './motion.mjs';
 import { mock } from './service.mjs';
@@ -463,6 +464,7 @@ export const journeys = [
   ...posing_journeys, ...timeline_journeys, ...rule_journeys, ...look_journeys,
   ...body_journeys,
   ...motion_journeys,
+  ...gait_journeys,
   ...library_journeys,
   ...circuit_journeys,
   ...control_journeys,

@@ -181,6 +181,7 @@ class Work {
     const ScenarioClip before = clip;
     read_clip(f, clip);
     clip.id = before.id;
+    if (clip.motion != before.motion && !f.has("gait")) clip.gait.reset();  // the recipe describes the former motion
     if (clip.motion != before.motion) return "Replace motion of clip";
     if (clip.loop != before.loop) return clip.loop ? "Loop clip" : "Stop looping clip";
     if (clip.speed != before.speed) return "Stretch clip";

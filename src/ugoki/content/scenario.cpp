@@ -175,6 +175,7 @@ class Checker {
     range(location + "/speed", clip.speed, 0.01, 100, "");
     range(location + "/blend", clip.blend, 0, 60, "s");
     check_layers(clip.layers, mechanism, location + "/layers", problems_);
+    if (clip.gait) check_gait_recipe(*clip.gait, location + "/gait", problems_);
     if (!is_id(clip.motion, max_resource_id)) {
       problems_.add(ErrorCode::syntax, location + "/motion", "'" + clip.motion + "' cannot be the id of a motion.",
                     "Choose a motion from the library.");

@@ -4,12 +4,14 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "ugoki/base/result.h"
 #include "ugoki/content/film.h"
+#include "ugoki/content/gait_recipe.h"
 #include "ugoki/content/look.h"
 #include "ugoki/content/rules.h"
 #include "ugoki/mechanism/joint.h"
@@ -40,6 +42,7 @@ struct ScenarioClip {
   double blend = 0.3;                      ///< s, duration of the cross-fade from the previous clip
   bool loop = false;                       ///< repeat a cyclic motion
   std::vector<ScenarioLayer> layers = {};  ///< applied to the motion, the first one first
+  std::optional<GaitRecipe> gait = {};     ///< settings from which the motion was made; nothing: a motion of the library
   friend bool operator==(const ScenarioClip&, const ScenarioClip&) = default;
 };
 

@@ -2,6 +2,7 @@
 
 #include "ugoki/circuit/migrate.h"
 #include "ugoki/content/film_json.h"
+#include "ugoki/content/gait_recipe_json.h"
 #include "ugoki/content/layers.h"
 #include "ugoki/content/poses.h"
 
@@ -60,6 +61,10 @@ void read_clip(Fields& f, ScenarioClip& out) {
   f.number("blend", out.blend);
   f.boolean("loop", out.loop);
   if (f.has("layers")) read_layers(f, out.layers);
+  if (const Json* gait = f.find("gait"); gait && gait->is_null())
+    out.gait.reset();
+  else if (gait)
+    read_gait_recipe(*gait, f.path("gait"), out.gait.emplace(), f.problems());
 }
 
 void read_place(Fields& f, ScenarioPlace& out) {
@@ -230,6 +235,7 @@ Json to_json(const ScenarioClip& c) {
     for (const ScenarioLayer& layer : c.layers) layers.push_back(to_json(layer));
     json["layers"] = std::move(layers);
   }
+  if (c.gait) json["gait"] = to_json(*c.gait);
   return json;
 }
 

@@ -7,6 +7,7 @@
 #include "ugoki/dynamics/centroidal.h"
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/gait/centre.h"
+#include "ugoki/gait/path.h"
 #include "ugoki/gait/posture.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/spatial/elementary.h"
@@ -52,6 +53,7 @@ class Generator {
       double miss = 0;
       std::vector<double> excess(at(n));
       for (int f = 0; f < n; ++f) {
+        if (o_.cancelled && o_.cancelled()) return {};
         std::span<double> q(q_.data() + at(f) * nq, nq);
         const double own = poser.pose(f, centre_[at(f)], pitch[at(f)], swing, q);
         if (f >= course_.first && f <= course_.last) miss = std::max(miss, own);
@@ -380,6 +382,47 @@ Result<double> usual_speed(const MechanismPtr& mechanism, GaitKind kind, double 
   return unit;
 }
 
+Result<std::vector<GaitKind>> kinds_of(const MechanismPtr& mechanism) {
+  const Result<Walker> w = make_walker(mechanism);
+  if (!w) return fail(w.error());
+  return kinds_for(static_cast<int>(w->legs.size()));
+}
+
+Result<void> fit_to_path(const MechanismPtr& mechanism, GaitOptions& options) {
+  const Result<Walker> walker = make_walker(mechanism);
+  if (!walker) return fail(walker.error());
+  const auto wrong = [&](const std::string& what, const std::string& remedy) {
+    return fail(ErrorCode::range, mechanism->name(), what, remedy);
+  };
+  if (options.path.size() < 2) return wrong("The gait has no path.", "Give two or more points.");
+  const double length = SmoothPath(options.path).length();
+  options.from_stand = options.to_stand = true;
+  options.one_stride = false;
+  const auto final_speed = [&] { return std::fabs(options.stages.back().speed); };
+  if (options.stages.empty() || !(final_speed() > 0.01))
+    return wrong("The last stage of the gait stands, so the end of the path is not reached.", "Give the last stage a speed.");
+  options.seconds = length / final_speed() + 4;
+  // The distance grows by speed times duration, except for short paths, on which the speed is not reached.
+  constexpr int max_rounds = 30;
+  constexpr double tolerance = 0.01, shortest = 1;  // m, s
+  for (int round = 0; round < max_rounds; ++round) {
+    if (!(options.seconds <= 3600))
+      return wrong("The gait along the path takes longer than an hour.", "Give a shorter path or a higher speed.");
+    if (Error problems = check(*walker, options); !problems.empty()) return fail(std::move(problems));
+    const Course course = make_course(*walker, options);
+    double travelled = 0;
+    for (int f = course.first; f < course.last; ++f) travelled += course.body[at(f)].speed / options.rate;
+    const double excess = travelled - length;
+    if (std::fabs(excess) < tolerance) break;
+    options.seconds -= excess / final_speed();
+    if (options.seconds < shortest || (round > 4 && excess > 0)) {
+      for (GaitStage& stage : options.stages) stage.speed *= 0.8;
+      options.seconds = std::max(options.seconds, length / final_speed() + 4);
+    }
+  }
+  return {};
+}
+
 Result<Motion> make_gait(const MechanismPtr& mechanism, const GaitOptions& options, GaitReport* report) {
   Result<Walker> walker = make_walker(mechanism);
   if (!walker) return fail(std::move(walker.error()));
@@ -387,7 +430,9 @@ Result<Motion> make_gait(const MechanismPtr& mechanism, const GaitOptions& optio
   GaitReport unused;
   GaitReport& out = report ? *report : unused;
   out = {};
-  return Generator(*walker, options, out).run();
+  Motion made = Generator(*walker, options, out).run();
+  if (options.cancelled && options.cancelled()) return fail(ErrorCode::cancelled, mechanism->name(), "The gait was cancelled.", "");
+  return made;
 }
 
 }  // namespace ugoki::gait

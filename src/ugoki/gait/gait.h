@@ -57,9 +57,10 @@ struct GaitOptions {
   GaitStyle style;
   /// Height of the ground [m] at x, y. Empty: the plane z = 0. Used where the body walks and at the feet.
   std::function<double(double, double)> ground;
-  std::vector<Vec3> path;      ///< m: points of a path over the ground (x, y) from the start; fewer than two: stages decide
-  std::vector<double> phases;  ///< [legs] touch-down of each leg as a share of the stride; empty: from the table
-  double duty = 0;             ///< share of the stride in which a foot stands; 0: from the table
+  std::vector<Vec3> path;           ///< m: points of a path over the ground (x, y) from the start; fewer than two: stages decide
+  std::vector<double> phases;       ///< [legs] touch-down of each leg as a share of the stride; empty: from the table
+  double duty = 0;                  ///< share of the stride in which a foot stands; 0: from the table
+  std::function<bool()> cancelled;  ///< called before each frame; true ends the work with ErrorCode::cancelled
 };
 
 /// Time interval in which a foot stands.
@@ -82,6 +83,14 @@ struct GaitReport {
 
 /// A usual speed [m/s] of the kind for this mechanism. Errors: as make_gait.
 [[nodiscard]] Result<double> usual_speed(const MechanismPtr& mechanism, GaitKind kind, double gravity = 9.81);
+
+/// The kinds of gaits for the number of legs of this mechanism. Errors: the root is not floating; no feet, or a number of legs for which no
+/// gait is known.
+[[nodiscard]] Result<std::vector<GaitKind>> kinds_of(const MechanismPtr& mechanism);
+
+/// Sets the duration such that the gait, from standing to standing, ends at the end of `options.path`. If the path is too short to reach
+/// the speeds of the stages, the speeds become lower. Errors: as make_gait; no path; the path takes longer than 3600 s.
+[[nodiscard]] Result<void> fit_to_path(const MechanismPtr& mechanism, GaitOptions& options);
 
 /// Makes the motion. It begins at x = y = 0 and goes along +x. Errors: the root is not floating; no feet, or a number of legs for which no
 /// gait is known; the kind does not fit the number of legs; options out of range.

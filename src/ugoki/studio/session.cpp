@@ -142,8 +142,8 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
     return "";
   }
   if (request.op == "motion.cancel") return cancel_motion(request);
-  if (request.op == "motion") {
-    if (Result<void> r = start_motion(request); !r) return fail(std::move(r.error()));
+  if (request.op == "motion" || request.op == "gait") {
+    if (Result<void> r = request.op == "gait" ? start_gait(request) : start_motion(request); !r) return fail(std::move(r.error()));
     answered = false;
     return {};
   }
@@ -151,6 +151,7 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
   if (request.op == "curves") return poses_.curves(project_, request.json);
   if (request.op == "poses") return PoseDesk::stored(project_, request.json);
   if (request.op == "joints") return PoseDesk::joints(project_, request.json);
+  if (request.op == "gaits") return list_gaits(request);
   if (request.op == "remember") return remember(request);
   if (request.op == "breakpoints") return set_breakpoints(request);
   const bool physics = request.op == "mode"

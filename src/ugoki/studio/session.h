@@ -107,6 +107,10 @@ class Session {
   // session_motion.cpp: operations on the motions of clips; they run on the thread of motion_queue_
   struct MotionTask;
   [[nodiscard]] Result<void> start_motion(const Request& request);
+  [[nodiscard]] Result<void> start_gait(const Request& request);
+  [[nodiscard]] Result<std::shared_ptr<MotionTask>> new_motion_task(const Request& request) const;
+  void post_motion_task(const std::shared_ptr<MotionTask>& task);
+  [[nodiscard]] Result<std::string> list_gaits(const Request& request) const;
   [[nodiscard]] Result<std::string> cancel_motion(const Request& request);
   void cancel_motions();
   void finish_motion(MotionTask& task);

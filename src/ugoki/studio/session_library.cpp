@@ -14,7 +14,7 @@ namespace {
 using json::Json;
 
 bool changes_project(std::string_view op) {
-  return op == "command" || op == "undo" || op == "redo" || op == "save" || op == "motion" || op == "open" || op == "new";
+  return op == "command" || op == "undo" || op == "redo" || op == "save" || op == "motion" || op == "gait" || op == "open" || op == "new";
 }
 
 std::string text_field(const Json& json, const char* key) {

@@ -5,14 +5,18 @@
 #include <atomic>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "ugoki/base/number.h"
+#include "ugoki/content/gait_recipe_json.h"
 #include "ugoki/content/layered_motions.h"
+#include "ugoki/content/track.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/samples/samples.h"
+#include "ugoki/studio/gait_clip.h"
 #include "ugoki/studio/motion_edits.h"
 #include "ugoki/studio/motion_source.h"
 #include "ugoki/studio/session_request.h"
@@ -71,6 +75,8 @@ struct Session::MotionTask {
   std::string character;
   std::string body_id;  ///< id of the mechanism to retarget to, if the project or the library has it
   MotionEdit edit;
+  std::optional<GaitRequest> gait;  ///< request `gait`, instead of `edit`
+  bool adds_clip = false;           ///< the result is played by a new clip
   Result<EditedMotion> made;
   std::atomic<bool> cancelled = false;
 };
@@ -103,20 +109,27 @@ Result<Body> find_body(const Json& request, MechanismPtr of_project, const Resul
 
 }  // namespace
 
-Result<void> Session::start_motion(const Request& request) {
+Result<std::shared_ptr<Session::MotionTask>> Session::new_motion_task(const Request& request) const {
   constexpr std::size_t max_tasks = 16;
   auto task = std::make_shared<MotionTask>();
   task->name = text_field(request.json, "task");
   task->client = request.client;
   task->reply_to = request.reply_to;
   task->character = text_field(request.json, "character");
-  MotionEdit& edit = task->edit;
-  edit.operation = text_field(request.json, "operation");
   if (task->name.empty() || task->name.size() > 40 || motion_tasks_.contains(task->name))
     return Request::invalid_field("task", "a new name of at most 40 characters");
   if (motion_tasks_.size() >= max_tasks)
     return fail(ErrorCode::conflict, "task", std::to_string(max_tasks) + " operations are already running.",
                 "Wait until one has ended, or cancel one.");
+  return task;
+}
+
+Result<void> Session::start_motion(const Request& request) {
+  Result<std::shared_ptr<MotionTask>> fresh = new_motion_task(request);
+  if (!fresh) return fail(std::move(fresh.error()));
+  const std::shared_ptr<MotionTask> task = *fresh;
+  MotionEdit& edit = task->edit;
+  edit.operation = text_field(request.json, "operation");
   const Result<Needs> needs = needs_of(edit.operation);
   if (!needs) return fail(needs.error());
   if (request.json.contains("options")) edit.options = request.json["options"];
@@ -162,18 +175,82 @@ Result<void> Session::start_motion(const Request& request) {
   }
 
   edit.cancelled = &task->cancelled;
+  post_motion_task(task);
+  return {};
+}
+
+/// Makes a gait and lets a clip play it: a new clip, or the clip that the request names.
+Result<void> Session::start_gait(const Request& request) {
+  Result<std::shared_ptr<MotionTask>> fresh = new_motion_task(request);
+  if (!fresh) return fail(std::move(fresh.error()));
+  const std::shared_ptr<MotionTask> task = *fresh;
+  task->edit.operation = "gait";
+  const content::ScenarioCharacter* character = project_.scenario().find_character(task->character);
+  if (character == nullptr) return Request::invalid_field("character", "a character's id");
+  GaitRequest& gait = task->gait.emplace();
+  gait.mechanism = find_mechanism(character->mechanism);
+  if (!gait.mechanism)
+    return fail(ErrorCode::unknown, "character " + task->character, "The project does not contain its mechanism.",
+                "Remove the character and add it again.");
+  const std::string clip_id = text_field(request.json, "clip");
+  task->adds_clip = clip_id.empty();
+  if (task->adds_clip) {
+    gait.clip.id = free_id(project_.scenario(), 'k');
+    if (request.json.contains("start")) {
+      if (!request.json["start"].is_number()) return Request::invalid_field("start", "a time in seconds");
+      gait.clip.start = request.json["start"].get<double>();
+    }
+  } else {
+    const auto clip = std::ranges::find_if(character->track, [&](const content::ScenarioClip& c) { return c.id == clip_id; });
+    if (clip == character->track.end()) return Request::invalid_field("clip", "the id of a clip of that character");
+    gait.clip = *clip;
+    const auto old = project_.resources().motions.find(clip->motion);
+    if (old != project_.resources().motions.end()) gait.old = old->second;
+  }
+  if (!gait.clip.gait) gait.clip.gait.emplace();
+  if (request.json.contains("gait")) {
+    Error problems;
+    content::read_gait_recipe(request.json["gait"], "gait", *gait.clip.gait, problems);
+    if (!problems.empty()) return fail(std::move(problems));
+  }
+  const Vec3 gravity = project_.scenario().gravity;
+  gait.gravity = std::sqrt(gravity.x * gravity.x + gravity.y * gravity.y + gravity.z * gravity.z);
+  gait.cancelled = &task->cancelled;
+  post_motion_task(task);
+  return {};
+}
+
+Result<std::string> Session::list_gaits(const Request& request) const {
+  const content::ScenarioCharacter* character = project_.scenario().find_character(text_field(request.json, "character"));
+  const MechanismPtr mechanism = character ? find_mechanism(character->mechanism) : nullptr;
+  if (!mechanism) return Request::invalid_field("character", "a character's id");
+  Result<Json> gaits = describe_gaits(mechanism);
+  if (!gaits) return fail(gaits.error());
+  const std::string clip_id = text_field(request.json, "clip");
+  const auto clip = std::ranges::find_if(character->track, [&](const content::ScenarioClip& c) { return c.id == clip_id; });
+  const auto& motions = project_.resources().motions;
+  const bool complete = std::ranges::all_of(character->track, [&](const content::ScenarioClip& c) { return motions.contains(c.motion); });
+  if (clip != character->track.end() && complete) {
+    const std::vector<Clip> track = content::lay_track(*character, *mechanism, project_.resources());
+    const Clip& laid = track[static_cast<std::size_t>(clip - character->track.begin())];
+    const Placement at = floor_placement(laid, *motions.at(clip->motion), *mechanism, clip->start);
+    (*gaits)["start"] = {{"x", at.x}, {"y", at.y}, {"heading", at.heading * 180 / std::numbers::pi}};
+  }
+  return ",\"gaits\":" + json::to_text(*gaits);
+}
+
+void Session::post_motion_task(const std::shared_ptr<MotionTask>& task) {
   motion_tasks_[task->name] = task;
   motion_queue_.post([this, task] {
     if (task->cancelled) return;
     try {
-      task->made = edit_motion(task->edit);
+      task->made = task->gait ? make_gait_clip(*task->gait) : edit_motion(task->edit);
     } catch (const std::exception& e) {  // out of memory
       task->made = fail(ErrorCode::io, task->edit.operation, std::string("The operation failed: ") + e.what() + ".",
                         "Use a shorter section of the motion.");
     }
     post_([this, task] { finish_motion(*task); });
   });
-  return {};
 }
 
 Result<std::string> Session::cancel_motion(const Request& request) {
@@ -230,6 +307,16 @@ Result<std::string> Session::insert_motion(const MotionTask& task) {
     Json add = timing_of(made.clip);
     add.update({{"type", "clip.add"}, {"character", on}, {"id", clip}, {"motion", id}});
     commands.push_back(std::move(add));
+  } else if (task.gait) {
+    Json gait = timing_of(made.clip);
+    gait.update({{"type", task.adds_clip ? "clip.add" : "clip.set"},
+                 {"character", on},
+                 {"id", clip},
+                 {"motion", id},
+                 {"gait", content::to_json(*made.clip.gait)}});
+    commands.push_back(std::move(gait));
+    const double end = made.clip.start + made.clip.length;
+    if (end > project_.scenario().duration) commands.push_back({{"type", "scenario.set"}, {"duration", std::ceil(end * 10) / 10}});
   } else {
     Json set = timing_of(made.clip);
     set.update({{"type", "clip.set"}, {"character", on}, {"id", clip}, {"motion", id}, {"layers", Json::array()}});

@@ -5,6 +5,7 @@
 import { apply_changes, type Change, type Circuit } from './circuit/form';
 import type { FilmCamera, FilmShot } from './film';
 import type { Look, Material } from './look';
+import type { GaitRecipe } from './motion/gait';
 import type { Vec3 } from './protocol';
 import { edit_keys, type KeyedLayer, type KeyName, type KeyPut } from './posing/keys';
 import type { StoredPose } from './posing/pose_library';
@@ -46,6 +47,8 @@ export interface Clip {
   loop: boolean;
   /** Keys over the motion, applied in this order. Absent: there are none. */
   layers?: KeyedLayer[];
+  /** Settings from which the service made the motion. Absent: a motion of the library. */
+  gait?: GaitRecipe;
 }
 
 export interface Character extends Material {

@@ -211,6 +211,8 @@ export type Request =
   | ({ op: 'input' } & InputMessage)
   | { op: 'push'; character: string; link: number; force: Vec3; duration: number }
   | MotionRequest
+  | GaitMakeRequest
+  | { op: 'gaits'; character: string; clip?: string }
   | PoseRequest
   | { op: 'curves'; character: string; clip: string; links: string[] }
   | { op: 'joints' | 'poses'; mechanism: string }
@@ -232,6 +234,16 @@ export interface MotionRequest {
   /** Height of a human target body, m. */
   height?: number;
   sample?: 'dog' | 'human';
+}
+
+/** Makes the motion of a clip from a recipe; without `clip`, a new clip plays it from `start` (s) on. */
+export interface GaitMakeRequest {
+  op: 'gait';
+  task: string;
+  character: string;
+  clip?: string;
+  start?: number;
+  gait?: object;
 }
 
 /** A change of a pose. Links are given by their index. */

@@ -14,6 +14,7 @@ import { ColorField } from './ColorField';
 import { describe_camera } from './film/CameraTrack';
 import { CameraFields, ShotFields } from './film/fields';
 import { MotionOperations } from './motion/ClipMenu';
+import { GaitFields } from './motion/GaitFields';
 import { JointFields } from './posing/JointFields';
 import { EntryDetails } from './library/EntryDetails';
 import { ChoiceField, NumberField, SwitchField, TextField } from './NumberField';
@@ -90,6 +91,7 @@ function ClipFieldsView({ character, clip, entry }: { character: string; clip: C
         <button type="button" onClick={() => run('edit.duplicate')}>Duplicate</button>
         <button type="button" onClick={() => run('edit.remove')}>Delete</button>
       </div>
+      {clip.gait && <GaitFields character={character} clip={clip} gait={clip.gait} />}
       <MotionOperations character={character} clip={clip} />
     </>
   );
@@ -153,6 +155,7 @@ function CharacterFields({ character, link, doc, posing }: { character: Characte
       {!posing && joint}
       <div className="actions">
         <button type="button" title="Move the camera to show the character" onClick={() => run('view.frame')}>Frame</button>
+        <button type="button" title="Let the character walk or trot after its last clip, without measured data" onClick={() => run('edit.gait')}>Add gait</button>
         <button type="button" title="Add a push event at the playhead" onClick={() => run('edit.push')} disabled={doc.characters.length === 0}>Add push</button>
         <button type="button" onClick={() => run('edit.remove')}>Delete</button>
       </div>

@@ -9,8 +9,9 @@ import { PointerControl } from '../view/pointer';
 import { PoseView } from '../view/pose_view';
 import { Viewport } from '../view/viewport';
 import { add_character, append_motion, run, set_view } from './actions';
-import { page, parts, poser, registry, session, useControls, usePage, useStudio } from './app';
+import { gaits, page, parts, poser, registry, session, useControls, usePage, useStudio } from './app';
 import { FilmFrame, ThroughChoice } from './film/ThroughBar';
+import { PathOverlay } from './motion/PathOverlay';
 import { PlayControlsBar } from './PlayControlsBar';
 import { PoseHandles, PoseLabels, PoseTools } from './posing/PoseOverlay';
 import { ViewCube } from './ViewCube';
@@ -38,6 +39,7 @@ export function ViewportPanel(): ReactElement {
     const pointer = new PointerControl(made);
     const posing = new PoseView(made, poser);
     pointer.posing = posing;
+    pointer.on_floor = (x, y) => gaits.add([x, y]);
     pointer.on_label = (text, x, y) => {
       const element = label.current;
       const box = host.current?.getBoundingClientRect();
@@ -107,6 +109,7 @@ export function ViewportPanel(): ReactElement {
       {viewport && <FilmFrame viewport={viewport} />}
       <ViewOptionsBar />
       {viewport && <ViewCube viewport={viewport} />}
+      {viewport && <PathOverlay viewport={viewport} />}
       {viewport && <PoseHandles viewport={viewport} />}
       {viewport && <PoseLabels viewport={viewport} />}
       <PoseTools />

@@ -14,7 +14,7 @@ import { lowest_point } from '../view/character_view';
 import { new_pose_name, store_pose } from '../core/posing/pose_library';
 import { end_tour } from './Tour';
 import { add_camera, cut_here, key_view, place_camera, toggle_through } from './film/actions';
-import { access, circuit, page, parts, poser, registry, session } from './app';
+import { access, circuit, desk, page, parts, poser, registry, session } from './app';
 
 const state = (): StudioState => session.state;
 const has_document = (): boolean => state().document !== null;
@@ -131,6 +131,21 @@ export function add_motion(character: string, motion: string, start: number): vo
     return;
   }
   insert_clip(character, { motion, start, id: session.fresh_id('k'), ...(entry?.duration ? { length: entry.duration } : {}) });
+}
+
+/** The character that a new gait moves: the selected one, or the only one. */
+function body_for_gait(): string | null {
+  const { document } = state();
+  return selected_character(state()) ?? (document?.characters.length === 1 ? document.characters[0]!.id : null);
+}
+
+/** Lets the character walk after its last clip. */
+export function add_gait(): void {
+  const id = body_for_gait();
+  const character = id && state().document ? find_character(state().document!, id) : undefined;
+  if (!character) return;
+  const moving = (state().characters.find((c) => c.id === id)?.end_speed ?? 0) > 0.3; // m/s: the last clip ends in a walk, which goes on
+  void desk.make_gait({ character: character.id, start: track_end(character), ...(moving ? { gait: { from_stand: false } } : {}) });
 }
 
 /** New rules that the menu offers. */
@@ -474,6 +489,7 @@ const commands: AppCommand[] = [
       if (chosen) void session.edit({ type: 'clip.split', character: chosen.character, id: chosen.clip.id, time: Math.round(session.now * 1e6) / 1e6 });
     },
   },
+  { id: 'edit.gait', label: 'Add a gait: a walk or trot without measured data', group: 'Edit', keys: ['Shift+W'], enabled: () => body_for_gait() !== null, run: add_gait },
   { id: 'edit.push', label: 'Add push at playhead', group: 'Edit', keys: ['Shift+P'], enabled: () => (state().document?.characters.length ?? 0) > 0, run: add_push },
   { id: 'edit.grab', label: 'Add grab of the selected link at playhead', group: 'Edit', keys: ['Shift+G'], enabled: () => (state().document?.characters.length ?? 0) > 0, run: add_grab },
   { id: 'edit.release', label: 'Add release of the selected grab or link at playhead', group: 'Edit', keys: ['Alt+G'], enabled: has_document, run: add_release },

@@ -9,6 +9,7 @@ import type { CharacterState } from '../core/frames';
 import { LibraryBrowser, type BrowserState } from '../core/library/browser';
 import { ImportQueue, type ImportState } from '../core/library/imports';
 import { MotionDesk, type DeskState } from '../core/motion/desk';
+import { GaitDesk, type GaitState } from '../core/motion/gait';
 import { Poser, type PoserState } from '../core/posing/poser';
 import { Session } from '../core/session';
 import { shown_circuit, type StudioState } from '../core/state';
@@ -78,6 +79,12 @@ export const desk = new MotionDesk({
   fail: (error) => session.fail(error),
   report: (title, lines) => session.report(title, lines),
   select: (selection) => session.select(selection),
+});
+
+export const gaits = new GaitDesk({
+  ask: (request) => session.ask(request),
+  make: (request) => desk.make_gait(request),
+  fail: (error) => session.fail(error),
 });
 
 export const poser = new Poser(session);
@@ -166,6 +173,10 @@ export function useControls<T>(pick: (state: ReturnType<typeof session.controls.
 
 export function useDesk<T>(pick: (state: DeskState) => T): T {
   return useStore(desk.store, pick);
+}
+
+export function useGaits<T>(pick: (state: GaitState) => T): T {
+  return useStore(gaits.store, pick);
 }
 
 export function usePoser<T>(pick: (state: PoserState) => T): T {

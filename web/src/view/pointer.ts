@@ -26,6 +26,8 @@ export class PointerControl {
   private readonly stop_drawing: () => void;
   /** Takes presses on the posed character; null: nothing is posed. */
   posing: PoseView | null = null;
+  /** Takes clicks on the floor (world, m) while a path is drawn. @return whether it took the click */
+  on_floor: (x: number, y: number) => boolean = () => false;
   /** Called with the text to show beside the cursor (empty: none) and the position on the page, px. */
   on_label: (text: string, x: number, y: number) => void = () => undefined;
 
@@ -148,6 +150,7 @@ export class PointerControl {
     const { viewport } = this;
     const { session } = viewport;
     if (viewport.canvas.hasPointerCapture(event.pointerId)) viewport.canvas.releasePointerCapture(event.pointerId);
+    if (!this.moved && (gesture.kind === 'press' || (gesture.kind === 'orbit' && gesture.empty)) && this.take_floor(event)) return;
     if (gesture.kind === 'pull') this.release();
     else if (gesture.kind === 'place') this.end_place(gesture);
     else if (gesture.kind === 'pose') {
@@ -160,6 +163,12 @@ export class PointerControl {
       session.select({ kind: 'none' });
     }
   };
+
+  /** Gives a click on the floor to on_floor. */
+  private take_floor(event: PointerEvent): boolean {
+    const at = this.viewport.on_plane(event.clientX, event.clientY, new THREE.Plane(new THREE.Vector3(0, 0, 1), 0));
+    return at !== null && at.length() < 500 && this.on_floor(at.x, at.y);
+  }
 
   private readonly cancel = (): void => {
     this.abandon();

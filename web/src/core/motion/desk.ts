@@ -1,6 +1,6 @@
 /** The motion desk of one page: the open menu and dialog, the running operations on motions, and foot contacts. Framework-free. */
 import { createStore, type StoreApi } from 'zustand/vanilla';
-import type { MotionRequest } from '../protocol';
+import type { GaitMakeRequest, MotionRequest } from '../protocol';
 import type { Selection } from '../state';
 import { find_operation, type Values } from './operations';
 
@@ -41,7 +41,7 @@ export interface DeskState {
 }
 
 export interface DeskHost {
-  request(request: MotionRequest | { op: 'motion.cancel'; task: string }): Promise<Record<string, unknown>>;
+  request(request: MotionRequest | GaitMakeRequest | { op: 'motion.cancel'; task: string }): Promise<Record<string, unknown>>;
   fetch(path: string): Promise<Response>;
   fail(error: Error): void;
   /** Shows the result of an operation, a sentence for each line. */
@@ -62,14 +62,24 @@ export class MotionDesk {
 
   /** Runs an operation on a clip and selects the resulting clip. @return false if it was cancelled or failed */
   async run(operation: string, { character, clip }: ClipTarget, options: Values = {}, other: With = {}): Promise<boolean> {
-    const label = find_operation(operation)?.label ?? operation;
+    return this.work(find_operation(operation)?.label ?? operation, (task) => ({ op: 'motion', task, character, clip, operation, options, ...other }));
+  }
+
+  /** Makes a gait for a new clip, or another gait for a clip, and selects the clip. @return false if it was cancelled or failed */
+  async make_gait(request: Omit<GaitMakeRequest, 'op' | 'task'>): Promise<boolean> {
+    return this.work(request.clip ? 'Change gait' : 'Make a gait', (task) => ({ op: 'gait', task, ...request }), true);
+  }
+
+  /** @param quiet a report without sentences is not shown */
+  private async work(label: string, to_request: (task: string) => MotionRequest | GaitMakeRequest, quiet = false): Promise<boolean> {
     const id = `${this.page}-${this.next++}`;
     this.store.setState({ tasks: [...this.state.tasks, { id, label, since: performance.now() }] });
     try {
-      const reply = await this.host.request({ op: 'motion', task: id, character, clip, operation, options, ...other });
+      const reply = await this.host.request(to_request(id));
       if (reply.cancelled === true) return false;
       if (typeof reply.character === 'string' && typeof reply.clip === 'string') this.host.select({ kind: 'clip', character: reply.character, clip: reply.clip });
-      this.host.report(label, Array.isArray(reply.report) ? reply.report.map(String) : []);
+      const report = Array.isArray(reply.report) ? reply.report.map(String) : [];
+      if (!quiet || report.length > 0) this.host.report(label, report);
       return true;
     } catch (error) {
       this.host.fail(error as Error);
