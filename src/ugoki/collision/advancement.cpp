@@ -144,6 +144,7 @@ ImpactSearch::ImpactSearch(const Scene& scene, const AdvancementOptions& options
     s.bounds.resize(links);
   }
   sweeps_.resize(scene.shapes().size());
+  system_sweeps_.resize(scene.systems().size());
   for (const SceneShape& shape : scene.shapes()) half_width_.push_back(half_width_of(shape));
 }
 
@@ -226,8 +227,38 @@ void ImpactSearch::add_candidate(int a, int b) {
   candidates_.push_back({a, b, 0, 0, {}});
 }
 
-/// Collects the pairs whose swept spheres overlap. Between systems the shapes are sorted along x, so that only shapes whose sweeps
-/// overlap along x are compared.
+/// Sets the box of each system that contains its swept spheres, enlarged by the tolerance, and the maximum travel of its shapes.
+void ImpactSearch::find_system_sweeps() {
+  const double tolerance = options_.tolerance;
+  for (std::size_t s = 0; s < system_sweeps_.size(); ++s) {
+    SystemSweep& out = system_sweeps_[s];
+    out = {};
+    for (int i = scene_.first_shape(static_cast<int>(s)); i < scene_.first_shape(static_cast<int>(s) + 1); ++i) {
+      const Sweep& w = sweeps_[static_cast<std::size_t>(i)];
+      const double r = w.radius + 0.5 * tolerance;
+      out.travel = std::max(out.travel, w.travel);
+      out.low = {std::min(out.low.x, w.centre.x - r), std::min(out.low.y, w.centre.y - r), std::min(out.low.z, w.centre.z - r)};
+      out.high = {std::max(out.high.x, w.centre.x + r), std::max(out.high.y, w.centre.y + r), std::max(out.high.z, w.centre.z + r)};
+    }
+  }
+}
+
+/// Collects the pairs of shapes of two systems whose swept spheres overlap.
+void ImpactSearch::add_candidates_between(int system_a, int system_b) {
+  const SystemSweep &a = system_sweeps_[static_cast<std::size_t>(system_a)], &b = system_sweeps_[static_cast<std::size_t>(system_b)];
+  if (a.travel + b.travel < min_travel_ || a.low.y > b.high.y || b.low.y > a.high.y || a.low.z > b.high.z || b.low.z > a.high.z) return;
+  for (int i = scene_.first_shape(system_a); i < scene_.first_shape(system_a + 1); ++i) {
+    const Sweep& w = sweeps_[static_cast<std::size_t>(i)];
+    const double r = w.radius + 0.5 * options_.tolerance;
+    if (w.travel + b.travel < min_travel_ || w.centre.x - r > b.high.x || b.low.x > w.centre.x + r || w.centre.y - r > b.high.y ||
+        b.low.y > w.centre.y + r || w.centre.z - r > b.high.z || b.low.z > w.centre.z + r)
+      continue;
+    for (int j = scene_.first_shape(system_b); j < scene_.first_shape(system_b + 1); ++j) add_candidate(i, j);
+  }
+}
+
+/// Collects the pairs whose swept spheres overlap. The boxes of the systems are sorted along x, so that only systems whose sweeps overlap
+/// along x are compared.
 void ImpactSearch::find_candidates() {
   candidates_.clear();
   const int systems = static_cast<int>(scene_.systems().size()), shapes = static_cast<int>(scene_.shapes().size());
@@ -237,21 +268,14 @@ void ImpactSearch::find_candidates() {
     if (scene_.self_collision(s))
       for (const ShapePair& p : scene_.self_pairs(s)) add_candidate(p.a, p.b);
   if (!scene_.options().between_systems) return;
+  find_system_sweeps();
   order_.clear();
-  for (int i = 0; i < shapes; ++i) {
-    const Sweep& w = sweeps_[static_cast<std::size_t>(i)];
-    order_.push_back({w.centre.x - w.radius, i});
-  }
+  for (int s = 0; s < systems; ++s) order_.push_back({system_sweeps_[static_cast<std::size_t>(s)].low.x, s});
   std::ranges::sort(order_);
   for (std::size_t k = 0; k < order_.size(); ++k) {
-    const int i = order_[k].second;
-    const Sweep& w = sweeps_[static_cast<std::size_t>(i)];
-    const double end = w.centre.x + w.radius + options_.tolerance;
-    for (std::size_t l = k + 1; l < order_.size() && order_[l].first <= end; ++l) {
-      const int j = order_[l].second;
-      if (scene_.shapes()[static_cast<std::size_t>(i)].system != scene_.shapes()[static_cast<std::size_t>(j)].system)
-        add_candidate(std::min(i, j), std::max(i, j));
-    }
+    const double end = system_sweeps_[static_cast<std::size_t>(order_[k].second)].high.x;
+    for (std::size_t l = k + 1; l < order_.size() && order_[l].first <= end; ++l)
+      add_candidates_between(std::min(order_[k].second, order_[l].second), std::max(order_[k].second, order_[l].second));
   }
 }
 
