@@ -145,7 +145,11 @@ ImpactSearch::ImpactSearch(const Scene& scene, const AdvancementOptions& options
   }
   sweeps_.resize(scene.shapes().size());
   system_sweeps_.resize(scene.systems().size());
-  for (const SceneShape& shape : scene.shapes()) half_width_.push_back(half_width_of(shape));
+  for (const SceneShape& shape : scene.shapes()) {
+    half_width_.push_back(half_width_of(shape));
+    const Vec3 centre = shape.shape.X_BS * shape.centre;
+    balls_.push_back({shape.system, shape.link, centre, norm(centre), shape.bound});
+  }
 }
 
 /// Computes poses and velocities at the beginning of the step, and upper bounds of the motion of each link at constant joint velocities:
@@ -157,23 +161,32 @@ void ImpactSearch::prepare(std::size_t system, const SystemMotion& motion, doubl
   System& s = systems_[system];
   const Mechanism& m = *scene_.systems()[system];
   UGOKI_CHECK(static_cast<int>(motion.q.size()) == m.nq() && static_cast<int>(motion.v.size()) == m.nv());
-  s.time = -1;
-  move_to(system, 0);
+  s.time = 0;
+  if (motion.X_WB.empty())
+    calc_poses(m, motion.q, s.X_WB);
+  else
+    std::ranges::copy(motion.X_WB, s.X_WB.begin());
   for (int i = 0; i < m.link_count(); ++i) {
     const Link& link = m.link(i);
     const Joint& joint = link.joint;
     const double *q = motion.q.data() + link.q_index, *v = motion.v.data() + link.v_index;
     const LinkBound parent = link.parent < 0 ? LinkBound{} : s.bounds[static_cast<std::size_t>(link.parent)];
-    Vec6 S[6], rate;
+    const Pose X_J = joint_pose(joint, q);
+    Vec6 S[6], rate, V;
     const int dofs = joint_subspace(joint, q, S);
-    for (int k = 0; k < dofs; ++k) rate += S[k] * v[k];
+    if (link.parent >= 0) V = (joint.X_PJ * X_J).motion_to_child(s.V[static_cast<std::size_t>(link.parent)]);
+    for (int k = 0; k < dofs; ++k) {
+      rate += S[k] * v[k];
+      V += S[k] * v[k];
+    }
+    s.V[static_cast<std::size_t>(i)] = V;
     double w = norm(rate.w), alpha = 0;
     const double slide = norm(rate.v);
     if (joint.type == JointType::universal) {
       w = std::fabs(v[0]) + std::fabs(v[1]);
       alpha = std::fabs(v[0] * v[1]);
     }
-    const double length = norm(joint.X_PJ.p) + norm(joint_pose(joint, q).p) + slide * dt;
+    const double length = norm(joint.X_PJ.p) + norm(X_J.p) + slide * dt;
     LinkBound& out = s.bounds[static_cast<std::size_t>(i)];
     out.w = parent.w + w;
     out.alpha = parent.alpha + parent.w * w + alpha;
@@ -307,12 +320,16 @@ void ImpactSearch::prepare_all(double dt, double min_travel) {
   min_travel_ = min_travel;
   for (std::size_t s = 0; s < motions_.size(); ++s) prepare(s, motions_[s], dt);
   for (std::size_t i = 0; i < sweeps_.size(); ++i) {
-    const Moving m = moving(static_cast<int>(i), 0);
-    const SceneShape& shape = scene_.shapes()[i];
+    const Ball& ball = balls_[i];
+    const System& s = systems_[static_cast<std::size_t>(ball.system)];
+    const auto link = static_cast<std::size_t>(ball.link);
+    const LinkBound& bound = s.bounds[link];
+    const Vec6& V = s.V[link];
+    const Vec3 v = s.X_WB[link].R * (V.v + cross(V.w, ball.centre));
+    const double a = bound.a + (bound.alpha + bound.w * bound.w) * ball.lever, speed = norm(v);
     // The swept sphere is centred at the midpoint of the path of the shape's centre at constant velocity.
-    const double travel = norm(m.v) * dt + 0.5 * m.a * dt * dt;
-    sweeps_[i] = {m.X_WS * shape.centre + m.v * (0.5 * dt), shape.bound + 0.5 * dt * norm(m.v) + 0.5 * m.a * dt * dt,
-                  travel + (norm(m.w) * dt + 0.5 * m.alpha * dt * dt) * shape.bound};
+    sweeps_[i] = {s.X_WB[link] * ball.centre + v * (0.5 * dt), ball.radius + 0.5 * dt * speed + 0.5 * a * dt * dt,
+                  speed * dt + 0.5 * a * dt * dt + (norm(V.w) * dt + 0.5 * bound.alpha * dt * dt) * ball.radius};
   }
 }
 

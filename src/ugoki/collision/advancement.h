@@ -63,8 +63,10 @@ struct BodyMotion {
 
 /// Motion of one system (mechanism) of a scene within a step, at constant joint velocities: q(t) = q (+) v t, where (+) integrates on the
 /// joints' manifolds. The spans refer to memory of the caller. q: [nq] m | rad | unit quaternions; v: [nv] m/s | rad/s.
+/// X_WB: [links] m, world: poses of the links at q; empty: they are computed.
 struct SystemMotion {
   std::span<const double> q, v;
+  std::span<const Pose> X_WB = {};
 };
 
 /// Result of ImpactSearch.
@@ -134,6 +136,12 @@ class ImpactSearch {
     int iterations = 0;
     PairCache cache;
   };
+  /// Bounding sphere of a shape on its link.
+  struct Ball {
+    int system, link;
+    Vec3 centre;           // m, link's frame
+    double lever, radius;  // m; lever: distance of the centre from the origin of the link's frame
+  };
   struct Sweep {
     Vec3 centre;
     double radius = 0;  // m: the sphere about `centre` contains the shape during the whole step
@@ -164,6 +172,7 @@ class ImpactSearch {
   std::span<const SystemMotion> motions_;
   std::vector<System> systems_;
   double min_travel_ = 0;                      // m: pairs of shapes whose summed Sweep::travel is below this are skipped
+  std::vector<Ball> balls_;                    // [shapes]
   std::vector<Sweep> sweeps_;                  // [shapes] swept sphere of each shape
   std::vector<double> half_width_;             // [shapes] m: half_width_of() of each shape
   std::vector<SystemSweep> system_sweeps_;     // [systems]
