@@ -127,6 +127,32 @@ TEST(Momentum, RateEqualsExternalWrench) {
   EXPECT_LT(norm(rate.w - expected.w), 1e-5 * norm(expected.w) + 1e-3);
 }
 
+TEST(Kinematics, SingleLinksHaveTheBitsOfAllLinks) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    RandomSource random(seed);
+    const MechanismPtr m = Mechanism::make(random_spec(random, 1 + random.below(20), {}, seed % 2 == 0)).value();
+    Workspace all(*m), some(*m);
+    State s(*m), other(*m);
+    randomize(random, *m, s);
+    randomize(random, *m, other);
+    update_kinematics(*m, s.q, s.v, all);
+    update_kinematics(*m, other.q, other.v, some);  // old values, which must not be used
+    std::vector<char> known(static_cast<std::size_t>(m->link_count()));
+    for (int count = 0; count < 3; ++count) {
+      const int link = random.below(m->link_count());
+      update_path_kinematics(*m, s.q, s.v, link, known, some);
+      for (int i = link; i >= 0; i = m->link(i).parent) {
+        const auto at = static_cast<std::size_t>(i);
+        EXPECT_EQ(known[at], 1);
+        EXPECT_EQ(some.X_WB[at].p, all.X_WB[at].p);
+        EXPECT_EQ(some.V[at].w, all.V[at].w);
+        EXPECT_EQ(some.V[at].v, all.V[at].v);
+      }
+    }
+    EXPECT_EQ(some.p0, all.p0);
+  }
+}
+
 TEST(PointJacobian, IsTheDerivativeOfThePosition) {
   RandomSource random(3);
   const MechanismPtr m = Mechanism::make(random_spec(random, 12)).value();

@@ -81,6 +81,20 @@ void check_all_robots(double seconds, double max_rise) {
   EXPECT_GT(falls, 50);
 }
 
+// The neutral position of cassie_v2 is beyond the limits of its feet, which pass a dead point of their four-bar linkages while they recover.
+TEST(FallingRobots, RecoveryFromLimitsAtDeadPointsAddsNoEnergyAtAnyStep) {
+  NEEDS_ROBOT_DATA();
+  const std::string path = robot_folder() + "closed_loop/cassie_sdf/cassie_v2.sdf";
+  const Result<RobotModel> model = read_robot_file(load_robot(path), path, options_for(path));
+  ASSERT_TRUE(model.has_value()) << path;
+  for (const double dt : {0.0005, 0.0008, 0.0012, 0.0015, 0.0021}) {
+    const Fall f = fall(model->mechanism, dt, 0.22);
+    EXPECT_EQ(f.status, contact::StepStatus::ok) << dt;
+    EXPECT_LT(f.rise, 0.002) << dt;
+    EXPECT_LT(f.gap, 1e-6) << dt;
+  }
+}
+
 TEST(FallingRobots, EnergyAndLoopGapsStayBounded) {
   NEEDS_ROBOT_DATA();
   check_all_robots(0.6, 0.03);

@@ -144,7 +144,12 @@ ImpactSearch::ImpactSearch(const Scene& scene, const AdvancementOptions& options
     s.bounds.resize(links);
   }
   sweeps_.resize(scene.shapes().size());
-  for (const SceneShape& shape : scene.shapes()) half_width_.push_back(half_width_of(shape));
+  system_sweeps_.resize(scene.systems().size());
+  for (const SceneShape& shape : scene.shapes()) {
+    half_width_.push_back(half_width_of(shape));
+    const Vec3 centre = shape.shape.X_BS * shape.centre;
+    balls_.push_back({shape.system, shape.link, centre, norm(centre), shape.bound});
+  }
 }
 
 /// Computes poses and velocities at the beginning of the step, and upper bounds of the motion of each link at constant joint velocities:
@@ -156,23 +161,32 @@ void ImpactSearch::prepare(std::size_t system, const SystemMotion& motion, doubl
   System& s = systems_[system];
   const Mechanism& m = *scene_.systems()[system];
   UGOKI_CHECK(static_cast<int>(motion.q.size()) == m.nq() && static_cast<int>(motion.v.size()) == m.nv());
-  s.time = -1;
-  move_to(system, 0);
+  s.time = 0;
+  if (motion.X_WB.empty())
+    calc_poses(m, motion.q, s.X_WB);
+  else
+    std::ranges::copy(motion.X_WB, s.X_WB.begin());
   for (int i = 0; i < m.link_count(); ++i) {
     const Link& link = m.link(i);
     const Joint& joint = link.joint;
     const double *q = motion.q.data() + link.q_index, *v = motion.v.data() + link.v_index;
     const LinkBound parent = link.parent < 0 ? LinkBound{} : s.bounds[static_cast<std::size_t>(link.parent)];
-    Vec6 S[6], rate;
+    const Pose X_J = joint_pose(joint, q);
+    Vec6 S[6], rate, V;
     const int dofs = joint_subspace(joint, q, S);
-    for (int k = 0; k < dofs; ++k) rate += S[k] * v[k];
+    if (link.parent >= 0) V = (joint.X_PJ * X_J).motion_to_child(s.V[static_cast<std::size_t>(link.parent)]);
+    for (int k = 0; k < dofs; ++k) {
+      rate += S[k] * v[k];
+      V += S[k] * v[k];
+    }
+    s.V[static_cast<std::size_t>(i)] = V;
     double w = norm(rate.w), alpha = 0;
     const double slide = norm(rate.v);
     if (joint.type == JointType::universal) {
       w = std::fabs(v[0]) + std::fabs(v[1]);
       alpha = std::fabs(v[0] * v[1]);
     }
-    const double length = norm(joint.X_PJ.p) + norm(joint_pose(joint, q).p) + slide * dt;
+    const double length = norm(joint.X_PJ.p) + norm(X_J.p) + slide * dt;
     LinkBound& out = s.bounds[static_cast<std::size_t>(i)];
     out.w = parent.w + w;
     out.alpha = parent.alpha + parent.w * w + alpha;
@@ -226,8 +240,38 @@ void ImpactSearch::add_candidate(int a, int b) {
   candidates_.push_back({a, b, 0, 0, {}});
 }
 
-/// Collects the pairs whose swept spheres overlap. Between systems the shapes are sorted along x, so that only shapes whose sweeps
-/// overlap along x are compared.
+/// Sets the box of each system that contains its swept spheres, enlarged by the tolerance, and the maximum travel of its shapes.
+void ImpactSearch::find_system_sweeps() {
+  const double tolerance = options_.tolerance;
+  for (std::size_t s = 0; s < system_sweeps_.size(); ++s) {
+    SystemSweep& out = system_sweeps_[s];
+    out = {};
+    for (int i = scene_.first_shape(static_cast<int>(s)); i < scene_.first_shape(static_cast<int>(s) + 1); ++i) {
+      const Sweep& w = sweeps_[static_cast<std::size_t>(i)];
+      const double r = w.radius + 0.5 * tolerance;
+      out.travel = std::max(out.travel, w.travel);
+      out.low = {std::min(out.low.x, w.centre.x - r), std::min(out.low.y, w.centre.y - r), std::min(out.low.z, w.centre.z - r)};
+      out.high = {std::max(out.high.x, w.centre.x + r), std::max(out.high.y, w.centre.y + r), std::max(out.high.z, w.centre.z + r)};
+    }
+  }
+}
+
+/// Collects the pairs of shapes of two systems whose swept spheres overlap.
+void ImpactSearch::add_candidates_between(int system_a, int system_b) {
+  const SystemSweep &a = system_sweeps_[static_cast<std::size_t>(system_a)], &b = system_sweeps_[static_cast<std::size_t>(system_b)];
+  if (a.travel + b.travel < min_travel_ || a.low.y > b.high.y || b.low.y > a.high.y || a.low.z > b.high.z || b.low.z > a.high.z) return;
+  for (int i = scene_.first_shape(system_a); i < scene_.first_shape(system_a + 1); ++i) {
+    const Sweep& w = sweeps_[static_cast<std::size_t>(i)];
+    const double r = w.radius + 0.5 * options_.tolerance;
+    if (w.travel + b.travel < min_travel_ || w.centre.x - r > b.high.x || b.low.x > w.centre.x + r || w.centre.y - r > b.high.y ||
+        b.low.y > w.centre.y + r || w.centre.z - r > b.high.z || b.low.z > w.centre.z + r)
+      continue;
+    for (int j = scene_.first_shape(system_b); j < scene_.first_shape(system_b + 1); ++j) add_candidate(i, j);
+  }
+}
+
+/// Collects the pairs whose swept spheres overlap. The boxes of the systems are sorted along x, so that only systems whose sweeps overlap
+/// along x are compared.
 void ImpactSearch::find_candidates() {
   candidates_.clear();
   const int systems = static_cast<int>(scene_.systems().size()), shapes = static_cast<int>(scene_.shapes().size());
@@ -237,21 +281,14 @@ void ImpactSearch::find_candidates() {
     if (scene_.self_collision(s))
       for (const ShapePair& p : scene_.self_pairs(s)) add_candidate(p.a, p.b);
   if (!scene_.options().between_systems) return;
+  find_system_sweeps();
   order_.clear();
-  for (int i = 0; i < shapes; ++i) {
-    const Sweep& w = sweeps_[static_cast<std::size_t>(i)];
-    order_.push_back({w.centre.x - w.radius, i});
-  }
+  for (int s = 0; s < systems; ++s) order_.push_back({system_sweeps_[static_cast<std::size_t>(s)].low.x, s});
   std::ranges::sort(order_);
   for (std::size_t k = 0; k < order_.size(); ++k) {
-    const int i = order_[k].second;
-    const Sweep& w = sweeps_[static_cast<std::size_t>(i)];
-    const double end = w.centre.x + w.radius + options_.tolerance;
-    for (std::size_t l = k + 1; l < order_.size() && order_[l].first <= end; ++l) {
-      const int j = order_[l].second;
-      if (scene_.shapes()[static_cast<std::size_t>(i)].system != scene_.shapes()[static_cast<std::size_t>(j)].system)
-        add_candidate(std::min(i, j), std::max(i, j));
-    }
+    const double end = system_sweeps_[static_cast<std::size_t>(order_[k].second)].high.x;
+    for (std::size_t l = k + 1; l < order_.size() && order_[l].first <= end; ++l)
+      add_candidates_between(std::min(order_[k].second, order_[l].second), std::max(order_[k].second, order_[l].second));
   }
 }
 
@@ -283,12 +320,16 @@ void ImpactSearch::prepare_all(double dt, double min_travel) {
   min_travel_ = min_travel;
   for (std::size_t s = 0; s < motions_.size(); ++s) prepare(s, motions_[s], dt);
   for (std::size_t i = 0; i < sweeps_.size(); ++i) {
-    const Moving m = moving(static_cast<int>(i), 0);
-    const SceneShape& shape = scene_.shapes()[i];
+    const Ball& ball = balls_[i];
+    const System& s = systems_[static_cast<std::size_t>(ball.system)];
+    const auto link = static_cast<std::size_t>(ball.link);
+    const LinkBound& bound = s.bounds[link];
+    const Vec6& V = s.V[link];
+    const Vec3 v = s.X_WB[link].R * (V.v + cross(V.w, ball.centre));
+    const double a = bound.a + (bound.alpha + bound.w * bound.w) * ball.lever, speed = norm(v);
     // The swept sphere is centred at the midpoint of the path of the shape's centre at constant velocity.
-    const double travel = norm(m.v) * dt + 0.5 * m.a * dt * dt;
-    sweeps_[i] = {m.X_WS * shape.centre + m.v * (0.5 * dt), shape.bound + 0.5 * dt * norm(m.v) + 0.5 * m.a * dt * dt,
-                  travel + (norm(m.w) * dt + 0.5 * m.alpha * dt * dt) * shape.bound};
+    sweeps_[i] = {s.X_WB[link] * ball.centre + v * (0.5 * dt), ball.radius + 0.5 * dt * speed + 0.5 * a * dt * dt,
+                  speed * dt + 0.5 * a * dt * dt + (norm(V.w) * dt + 0.5 * bound.alpha * dt * dt) * ball.radius};
   }
 }
 

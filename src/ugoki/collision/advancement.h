@@ -10,6 +10,7 @@
 // Sources: Mirtich, Impulse-based dynamic simulation of rigid body systems (1996); Zhang, Lee, Kim, Interactive continuous collision
 // detection for non-convex polyhedra (2006); Zhang, Redon, Lee, Kim, Continuous collision detection for articulated models (2007).
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -62,8 +63,10 @@ struct BodyMotion {
 
 /// Motion of one system (mechanism) of a scene within a step, at constant joint velocities: q(t) = q (+) v t, where (+) integrates on the
 /// joints' manifolds. The spans refer to memory of the caller. q: [nq] m | rad | unit quaternions; v: [nv] m/s | rad/s.
+/// X_WB: [links] m, world: poses of the links at q; empty: they are computed.
 struct SystemMotion {
   std::span<const double> q, v;
+  std::span<const Pose> X_WB = {};
 };
 
 /// Result of ImpactSearch.
@@ -133,10 +136,22 @@ class ImpactSearch {
     int iterations = 0;
     PairCache cache;
   };
+  /// Bounding sphere of a shape on its link.
+  struct Ball {
+    int system, link;
+    Vec3 centre;           // m, link's frame
+    double lever, radius;  // m; lever: distance of the centre from the origin of the link's frame
+  };
   struct Sweep {
     Vec3 centre;
     double radius = 0;  // m: the sphere about `centre` contains the shape during the whole step
     double travel = 0;  // m: upper bound of the path length of any point of the shape during the step
+  };
+
+  /// The swept spheres of a system together.
+  struct SystemSweep {
+    Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};  // m, world: box that contains the spheres
+    double travel = 0;                                                              // m: maximum Sweep::travel
   };
 
   void prepare(std::size_t system, const SystemMotion& motion, double dt);
@@ -145,6 +160,8 @@ class ImpactSearch {
   bool core_touches(Candidate& c, double end, double dt);
   void move_to(std::size_t system, double time);
   [[nodiscard]] Moving moving(int shape, double time);
+  void find_system_sweeps();
+  void add_candidates_between(int system_a, int system_b);
   void find_candidates();
   void add_candidate(int a, int b);
   [[nodiscard]] SceneImpact make_impact(const Candidate& c, const PairDistance& d, ImpactStatus status) const;
@@ -155,9 +172,11 @@ class ImpactSearch {
   std::span<const SystemMotion> motions_;
   std::vector<System> systems_;
   double min_travel_ = 0;                      // m: pairs of shapes whose summed Sweep::travel is below this are skipped
+  std::vector<Ball> balls_;                    // [shapes]
   std::vector<Sweep> sweeps_;                  // [shapes] swept sphere of each shape
   std::vector<double> half_width_;             // [shapes] m: half_width_of() of each shape
-  std::vector<std::pair<double, int>> order_;  // [shapes] sorted: minimum x [m, world] of a swept sphere, index of its shape
+  std::vector<SystemSweep> system_sweeps_;     // [systems]
+  std::vector<std::pair<double, int>> order_;  // [systems] sorted: minimum x [m, world] of the box of a system, index of the system
   std::vector<Candidate> candidates_;
   std::vector<std::uint32_t> queue_;  // heap of indices into candidates_, the earliest time first
   DistanceWorkspace workspace_;

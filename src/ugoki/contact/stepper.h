@@ -186,7 +186,7 @@ class Stepper {
   void add_contact(int index, const collision::ContactPoint& c, double dt, bool forced);
   void add_rolling(const collision::ContactPoint& c);
   int add_joint_rows(std::size_t s, double dt);
-  void spread_over_loops(std::size_t s, int last);
+  double spread_over_loops(std::size_t s, int last);
   double* add_side(std::size_t s, int last);
   const Vec6& free_velocity(std::size_t s, int last);
   void predict_grips(std::span<const StepSystem> systems, double dt);

@@ -141,20 +141,27 @@ void Stepper::solve_loops(std::size_t s, const StepSystem& system, double dt) {
 
 /// Writes the last segment of the solver: the whitened rows on the chain of DOF `last` in Loops::sparse become rows on all DOFs, projected
 /// onto what the loops allow.
-void Stepper::spread_over_loops(std::size_t s, int last) {
+/// @return inverse inertia of the first row with loops, as a fraction of that without loops, 0 to 1
+double Stepper::spread_over_loops(std::size_t s, int last) {
   const dynamics::Workspace& ws = workspaces_[s];
   const SystemScratch::Loops& loops = *scratch_[s].loops;
   const int n = static_cast<int>(scratch_[s].v.size());
   const int* chain = ws.chain.data() + ws.row_start[static_cast<std::size_t>(last)];
   double* const y = solver_.last_segment().data();
   std::fill_n(y, 4 * n, 0.0);
-  for (int e = 0; e <= ws.depth[static_cast<std::size_t>(last)]; ++e) row_lanes(y, chain[e]) = row_lanes(loops.sparse.data(), e);
+  double open = 0, closed = 0;
+  for (int e = 0; e <= ws.depth[static_cast<std::size_t>(last)]; ++e) {
+    row_lanes(y, chain[e]) = row_lanes(loops.sparse.data(), e);
+    open += y[4 * chain[e]] * y[4 * chain[e]];
+  }
   for (int k = 0; k < loops.rank; ++k) {
     const double* const q = loops.basis.data() + static_cast<std::ptrdiff_t>(k) * n;
     RowLanes part = {};
     for (int e = 0; e < n; ++e) part += q[e] * row_lanes(y, e);
     for (int e = 0; e < n; ++e) row_lanes(y, e) -= part * q[e];
   }
+  for (int e = 0; e < n; ++e) closed += y[4 * e] * y[4 * e];
+  return open > 0 ? std::min(closed / open, 1.0) : 1;
 }
 
 void Stepper::close_loops(std::size_t s, StepSystem& system) {

@@ -164,9 +164,9 @@ int Stepper::add_joint_rows(std::size_t s, double dt) {
     const int nv = link.joint.nv(), last = link.v_index + nv - 1;
     double u = 0;
     for (int k = 0; k < nv; ++k) u += direction[k] * x.free_v[static_cast<std::size_t>(link.v_index + k)];
-    u -= target;
     const Warm* warm = warm_.find(key);
     if (x.by_tree) {
+      u -= target;
       int k = 0;
       while (direction[k] == 0) ++k;  // one DOF, because TreeIsland::can_treat() excludes limits of spherical joints
       x.tree
@@ -176,7 +176,10 @@ int Stepper::add_joint_rows(std::size_t s, double dt) {
     }
     solver_.begin_block(kind, key).bound = bound;
     x.factor.whiten_row(last, {direction, static_cast<std::size_t>(nv)}, add_side(s, last));
-    if (x.loops) spread_over_loops(s, last);
+    // Near a dead point of its loops a joint turns a whole mechanism at a huge ratio. Recovery from beyond a limit must then be slower, so
+    // that it costs no more energy than with open loops: the kinetic energy of the recovery is target^2 / (2 y . y).
+    const double mobility = x.loops ? spread_over_loops(s, last) : 1;
+    u -= target > 0 ? target * std::sqrt(mobility) : target;
     solver_.end_block({&u, 1}, warm ? std::span<const double>(warm->p) : std::span<const double>());
   };
   for (const int i : x.limited_links) {

@@ -65,6 +65,7 @@ int SweptContacts::add(std::span<const collision::SystemMotion> systems, std::sp
                        double margin, std::vector<collision::ContactPoint>& contacts) {
   constexpr int maximum = 32;
   motions_.assign(systems.begin(), systems.end());
+  for (std::size_t k = 0; k < motions_.size(); ++k) motions_[k].X_WB = X_WB[k];
   int added = 0;
   while (added < maximum) {
     const collision::SceneImpact impact = search_.find(motions_, dt, 0.5 * margin);

@@ -22,6 +22,7 @@ double lowest_point(const Shape& s, const Pose& X_WB) {
 
 MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& options)
     : mechanism_(std::move(mechanism)), options_(options), workspace_(*mechanism_), reference_(*mechanism_), problem_(max_supports) {
+  reference_known_.resize(static_cast<std::size_t>(mechanism_->link_count()));
   const Mechanism& m = *mechanism_;
   wanted_.resize(static_cast<std::size_t>(m.nv()));
   displacement_.resize(wanted_.size());
@@ -87,14 +88,13 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
   support_links_.clear();
   for (unsigned char& b : bears_load_) b = 0;
   if (!floating_) return;
-  bool reference_known = false;
+  std::ranges::fill(reference_known_, char{0});
   offsets_.clear();
   for (const collision::ContactPoint& c : in.contacts) {
     if (c.system_a != in.system || c.system_b >= 0 || supports_.size() == max_supports) continue;
     const double approach = dot(c.n, dynamics::point_velocity(ws, c.link_a, c.p));
     if (c.distance > options_.contact_margin && c.distance + in.dt * approach > 0) continue;
-    if (!reference_known) dynamics::update_kinematics(m, in.q_ref, in.v_ref, reference_);
-    reference_known = true;
+    dynamics::update_path_kinematics(m, in.q_ref, in.v_ref, c.link_a, reference_known_, reference_);
     const auto link = static_cast<std::size_t>(c.link_a);
     const Vec3 p_ref = reference_.X_WB[link] * (ws.X_WB[link].inverse() * c.p);
     const Vec3 v_ref = dynamics::point_velocity(reference_, c.link_a, p_ref);

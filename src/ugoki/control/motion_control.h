@@ -131,7 +131,9 @@ class MotionControl {
   /// @param ahead m, world: actual minus reference position of the root
   [[nodiscard]] double calc_departure(const ControlInput& in, const Vec3& ahead, const double (&shift)[3]) const;
 
-  dynamics::Workspace workspace_, reference_;
+  dynamics::Workspace workspace_;      // at the present state
+  dynamics::Workspace reference_;      // at the reference, the links that support the character and their parents
+  std::vector<char> reference_known_;  // [links] not 0: reference_ contains the link
   ContactForceProblem problem_;
   double lever_ = 1;
   double weight_ = 0;  // N

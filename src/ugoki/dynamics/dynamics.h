@@ -33,6 +33,11 @@ void calc_inertia_rows(const Mechanism& m, Workspace& ws, std::span<const double
 
 /// Computes poses, motion subspaces, velocities and inertias of all links into `ws`, for the functions below.
 void update_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, Workspace& ws);
+/// Computes pose, motion subspace and velocity of one link, and of those links between it and the base that are not known yet. Inertias
+/// are not computed. The values have the same bits as those of update_kinematics(). O(links of the path).
+/// @param known [links] not 0: the link is computed already, at the same q and v; the function sets the entries of links that it computes
+void update_path_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, int link, std::span<char> known,
+                            Workspace& ws);
 
 /// Joint forces that produce `vdot` (recursive Newton-Euler). O(links).
 /// @param vdot [nv]; empty: zero, then tau = b @param tau [nv, out] must not alias `vdot`

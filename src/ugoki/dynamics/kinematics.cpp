@@ -3,62 +3,85 @@
 
 namespace ugoki::dynamics {
 
+namespace {
+
+/// Pose, motion subspace, velocity and velocity-product acceleration of link i, from the pose and velocity of its parent.
+void update_link(const Mechanism& m, std::size_t i, std::span<const double> q, std::span<const double> v, Workspace& ws) {
+  const Link& link = m.links()[i];
+  const Joint& joint = link.joint;
+  const double* qj = q.data() + link.q_index;
+  const double* vj = v.data() + link.v_index;
+  const bool based = link.parent >= 0;
+  const auto parent = static_cast<std::size_t>(link.parent);
+  const Pose X_WJ = based ? ws.X_WB[parent] * joint.X_PJ : joint.X_PJ;
+  const Pose X_WB = X_WJ * joint_pose(joint, qj);
+  if (i == 0) ws.p0 = X_WB.p;
+  ws.X_WB[i] = X_WB;
+  const Vec3 r = X_WB.p - ws.p0;
+
+  Vec6 V = based ? ws.V[parent] : Vec6{};
+  Vec6 C;
+  Vec6* S = ws.S.data() + link.v_index;
+  switch (joint.type) {
+    case JointType::fixed: break;
+    case JointType::revolute: {
+      const Vec3 axis = X_WJ.R * joint.axis;
+      S[0] = {axis, cross(r, axis)};
+      const Vec6 vJ = S[0] * vj[0];
+      C = cross_motion(V, vJ);  // vJ x vJ = 0
+      V += vJ;
+      break;
+    }
+    case JointType::spherical: {
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 axis = X_WB.R.column(k);
+        S[k] = {axis, cross(r, axis)};
+      }
+      const Vec3 w = X_WB.R * Vec3{vj[0], vj[1], vj[2]};
+      const Vec6 vJ{w, cross(r, w)};
+      C = cross_motion(V, vJ);
+      V += vJ;
+      break;
+    }
+    default: {
+      Vec6 S_B[6];
+      const int n = joint_subspace(joint, qj, S_B);
+      const Pose X{X_WB.R, r};
+      Vec6 vJ;
+      for (int k = 0; k < n; ++k) {
+        S[k] = X.motion_to_parent(S_B[k]);
+        vJ += S[k] * vj[k];
+      }
+      V += vJ;
+      C = cross_motion(V, vJ) + X.motion_to_parent(joint_bias(joint, qj, vj));
+    }
+  }
+  ws.V[i] = V;
+  ws.C[i] = C;
+}
+
+}  // namespace
+
 void update_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, Workspace& ws) {
   UGOKI_CHECK(static_cast<int>(q.size()) == m.nq() && static_cast<int>(v.size()) == m.nv());
-  const std::span<const Link> links = m.links();
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    const Link& link = links[i];
-    const Joint& joint = link.joint;
-    const double* qj = q.data() + link.q_index;
-    const double* vj = v.data() + link.v_index;
-    const bool based = link.parent >= 0;
-    const auto parent = static_cast<std::size_t>(link.parent);
-    const Pose X_WJ = based ? ws.X_WB[parent] * joint.X_PJ : joint.X_PJ;
-    const Pose X_WB = X_WJ * joint_pose(joint, qj);
-    if (i == 0) ws.p0 = X_WB.p;
-    ws.X_WB[i] = X_WB;
-    const Vec3 r = X_WB.p - ws.p0;
-    ws.I[i] = link.inertia.in_parent({X_WB.R, r});
+  for (std::size_t i = 0; i < ws.X_WB.size(); ++i) {
+    update_link(m, i, q, v, ws);
+    ws.I[i] = m.links()[i].inertia.in_parent({ws.X_WB[i].R, ws.X_WB[i].p - ws.p0});
+  }
+}
 
-    Vec6 V = based ? ws.V[parent] : Vec6{};
-    Vec6 C;
-    Vec6* S = ws.S.data() + link.v_index;
-    switch (joint.type) {
-      case JointType::fixed: break;
-      case JointType::revolute: {
-        const Vec3 axis = X_WJ.R * joint.axis;
-        S[0] = {axis, cross(r, axis)};
-        const Vec6 vJ = S[0] * vj[0];
-        C = cross_motion(V, vJ);  // vJ x vJ = 0
-        V += vJ;
-        break;
-      }
-      case JointType::spherical: {
-        for (int k = 0; k < 3; ++k) {
-          const Vec3 axis = X_WB.R.column(k);
-          S[k] = {axis, cross(r, axis)};
-        }
-        const Vec3 w = X_WB.R * Vec3{vj[0], vj[1], vj[2]};
-        const Vec6 vJ{w, cross(r, w)};
-        C = cross_motion(V, vJ);
-        V += vJ;
-        break;
-      }
-      default: {
-        Vec6 S_B[6];
-        const int n = joint_subspace(joint, qj, S_B);
-        const Pose X{X_WB.R, r};
-        Vec6 vJ;
-        for (int k = 0; k < n; ++k) {
-          S[k] = X.motion_to_parent(S_B[k]);
-          vJ += S[k] * vj[k];
-        }
-        V += vJ;
-        C = cross_motion(V, vJ) + X.motion_to_parent(joint_bias(joint, qj, vj));
-      }
-    }
-    ws.V[i] = V;
-    ws.C[i] = C;
+void update_path_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, int link, std::span<char> known,
+                            Workspace& ws) {
+  UGOKI_CHECK(static_cast<int>(q.size()) == m.nq() && static_cast<int>(v.size()) == m.nv());
+  UGOKI_CHECK(static_cast<int>(known.size()) == m.link_count());
+  if (known[0] == 0) update_link(m, 0, q, v, ws);  // all other links use the reference point p0
+  known[0] = 1;
+  while (known[static_cast<std::size_t>(link)] == 0) {
+    int next = link;  // the unknown link of the path that is closest to the base
+    for (int parent = m.link(next).parent; parent >= 0 && known[static_cast<std::size_t>(parent)] == 0; parent = m.link(next).parent)
+      next = parent;
+    update_link(m, static_cast<std::size_t>(next), q, v, ws);
+    known[static_cast<std::size_t>(next)] = 1;
   }
 }
 
