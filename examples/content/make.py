@@ -542,6 +542,22 @@ def retargeting():
         "motions": {f"walk-{b}": {"operation": "retarget", "motion": "human-walk", "of": "human", "for": b} for b in ("child", "giant", "dog")}}
 
 
+def paths():
+    walks = {"walk-human": ("human", {"speed": 1.25, "path": [[2.5, 0.4], [5, -0.8], [7.5, 0.6], [10, 0]]}),
+             "walk-child": ("child", {"speed": 0.8, "style": "proud", "path": [[2, 1.5], [4, 0.5], [4.5, -1.5], [3, -2.5]]}),
+             "trot-dog": ("dog", {"kind": "trot", "speed": 1.8, "path": [[4, 0], [8, 0.6], [12, 2]]})}
+    cast = [("human", "Human", "human", "#e6e6ea", 0, 0), ("child", "Child", "child", "#c9a57b", 1, 2.6), ("dog", "Dog", "dog", "#8fb08c", -0.5, -1.6)]
+    motion_of = {mechanism: motion for motion, (mechanism, _) in walks.items()}
+    length = {"human": 12, "child": 14, "dog": 11}
+    return {"scenario": {
+        "version": 1, "name": "paths", "duration": 14,
+        "characters": [{"id": i, "name": n, "mechanism": m, "color": c, "place": {"x": x, "y": y}, "control": {"assist_limit": 0.5 if i == "dog" else 0},
+                        "track": [{"id": f"k{k + 1}", "motion": motion_of[m], "start": 0, "length": length[i], "loop": False}]} for k, (i, n, m, c, x, y) in enumerate(cast)],
+        "camera": {"follow": "human", "distance": 7, "azimuth": 0.9, "elevation": 0.35}},
+        "mechanisms": {"child": {"person": 1.1}},
+        "motions": {motion: {"gait": gait, "of": m, "name": motion.replace("-", " of the ").capitalize()} for motion, (m, gait) in walks.items()}}
+
+
 def natural():
     with open("capture.bvh", encoding="utf-8") as file:
         text = file.read()
@@ -617,7 +633,7 @@ def fmu():
 
 
 if __name__ == "__main__":
-    for made in (jansen, andrews, five_bar, band, own_controller, push_test, rag_dolls, bar, rider, retargeting, natural, game, fmu):
+    for made in (jansen, andrews, five_bar, band, own_controller, push_test, rag_dolls, bar, rider, retargeting, paths, natural, game, fmu):
         name = {"own_controller": "own-lsi", "push_test": "push-test", "rag_dolls": "rag-dolls", "five_bar": "five-bar"}.get(made.__name__, made.__name__)
         write(name, made())
     write("../fmu/oscillator", {"version": 2, **oscillator()})

@@ -52,6 +52,21 @@ TEST(Gallery, EveryContentIsMadeAndRuns) {
   EXPECT_GE(count, 16);
 }
 
+// Gaits without measurement: the bodies walk to the ends of their paths and stand there; the human and the child without root assist.
+TEST(Gallery, BodiesWalkAlongTheirPaths) {
+  const Result<content::ContentText> made = read("paths");
+  ASSERT_TRUE(made) << made.error().text();
+  for (const content::ScenarioCharacter& c : made->scenario.characters) EXPECT_TRUE(c.track[0].gait) << "the gait can be changed";
+  content::Player player = play("paths");
+  run(player, 13.5);
+  constexpr double ends[3][3] = {{10, 0, 0.8}, {4, 0.1, 0.45}, {11.5, 0.4, -0.2}};  // x, y: end of the path; height of a standing root, m
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(player.q(c)[0], ends[c][0], 0.4) << c;
+    EXPECT_NEAR(player.q(c)[1], ends[c][1], 0.4) << c;
+    EXPECT_GT(player.q(c)[2], ends[c][2]) << c;
+  }
+}
+
 // The published angle of K1 after 0.03 s is 15.81077 rad (IVP test set, problem Andrews). The content is 120 times slower, so its step of
 // 0.5 ms corresponds to 4.2 us. The error of the method is of first order: 0.19 rad with twice the step, 0.048 rad with half of it.
 TEST(Gallery, SqueezerTurnsAsPublished) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "ugoki/motion/clip.h"
 #include "ugoki/samples/samples.h"
 
 namespace ugoki::studio {
@@ -52,9 +53,11 @@ TEST(GaitClip, ChangedGaitKeepsATrimmedClip) {
 TEST(GaitClip, PathDecidesTheDuration) {
   content::GaitRecipe recipe;
   recipe.speed = 1.2;
-  recipe.path = {{3, 0}, {5, 2}};
+  recipe.path = {{3, 2}, {5, 2}};
   const EditedMotion made = make_gait_clip(request_for(person(), recipe)).value();
   EXPECT_NEAR(made.clip.gait->seconds, made.motion.duration(), 0.01);
+  // the clip is placed by the heading of its first frame
+  EXPECT_NEAR(root_placement(*person(), {made.motion.frame(0), static_cast<std::size_t>(made.motion.nq)}).heading, 0, 0.05);
   const double* last = made.motion.frame(made.motion.frames - 1);
   EXPECT_NEAR(last[0], 5, 0.15);
   EXPECT_NEAR(last[1], 2, 0.15);

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { from_world, GaitDesk, path_length, smooth_path, to_world, type Point } from '../src/core/motion/gait';
+import { from_world, GaitDesk, path_length, smooth_path, to_world, with_lead, type Point } from '../src/core/motion/gait';
 
 function make() {
   const made: unknown[] = [];
@@ -31,6 +31,13 @@ describe('paths of gaits', () => {
     expect(path_length(curve)).toBeGreaterThan(6);
     expect(smooth_path([[0, 0], [4, 0]]).every((p) => Math.abs(p[1]) < 1e-12)).toBe(true);
     expect(path_length(smooth_path([[0, 0], [4, 0]]))).toBeCloseTo(4);
+  });
+
+  it('begin straight ahead, because a clip is placed by the heading of its first frame', () => {
+    const curve = smooth_path(with_lead([[0, 4]]));
+    expect(curve[1]![0]).toBeGreaterThan(0.01);
+    expect(Math.abs(curve[1]![1])).toBeLessThan(0.3 * curve[1]![0]);
+    expect(curve.at(-1)).toEqual([0, 4]);
   });
 
   it('are drawn by clicks, and only a finished path changes the gait', async () => {

@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <set>
 
+#include "ugoki/content/gait_recipe_json.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/intake/intake.h"
 #include "ugoki/json/fields.h"
 #include "ugoki/mechanism_edit/combine.h"
 #include "ugoki/mechanism_edit/scale.h"
 #include "ugoki/samples/samples.h"
+#include "ugoki/studio/gait_clip.h"
 #include "ugoki/studio/motion_edits.h"
 
 namespace ugoki::studio {
@@ -77,6 +80,12 @@ class Recipes {
   }
 
   Resources take() { return std::move(made_); }
+
+  /// The recipe of a motion that is a gait; null for other motions.
+  const content::GaitRecipe* gait_of(const std::string& motion) const {
+    const auto found = gaits_.find(name_ + ", motion " + motion);
+    return found == gaits_.end() ? nullptr : &found->second;
+  }
 
  private:
   const Json* entry(const char* list, const std::string& id) const {
@@ -181,7 +190,7 @@ class Recipes {
     if (!f.is_object()) return fail(std::move(problems));
     std::string name;
     f.text("name", name);
-    return f.has("still") ? still(f) : operation(f);
+    return f.has("still") ? still(f) : f.has("gait") ? gait(f, place) : operation(f);
   }
 
   /// The neutral position for a time; with `with`, the joints of another motion for the links of the same name.
@@ -238,6 +247,24 @@ class Recipes {
     return out;
   }
 
+  /// A gait without measurement.
+  Result<Motion> gait(Fields& f, const std::string& place) {
+    std::string of;
+    f.require("of", "the id of the mechanism that walks");
+    f.text("of", of);
+    GaitRequest request;
+    content::read_gait_recipe(*f.find("gait"), f.path("gait"), request.clip.gait.emplace(), f.problems());
+    f.refuse_others();
+    if (!f.problems().empty()) return fail(f.problems());
+    const Result<MechanismPtr> mechanism = this->mechanism(of);
+    if (!mechanism) return fail(mechanism.error());
+    request.mechanism = *mechanism;
+    Result<EditedMotion> made = make_gait_clip(request);
+    if (!made) return fail(std::move(made.error()));
+    gaits_[place] = *made->clip.gait;
+    return std::move(made->motion);
+  }
+
   /// An operation of motion_edits.h on a whole motion.
   Result<Motion> operation(Fields& f) {
     MotionEdit edit;
@@ -288,6 +315,7 @@ class Recipes {
   std::string name_;
   const std::function<bool()>& cancelled_;
   Resources made_;
+  std::map<std::string, content::GaitRecipe> gaits_;
   std::set<std::string> open_;  // places of the recipes that are being followed
 };
 
@@ -313,10 +341,17 @@ Result<content::ContentText> make_content(std::string_view text, std::string_vie
     if (Result<MotionPtr> made = recipes.motion(id); !made) return fail(std::move(made.error()));
     return {};
   };
-  for (const content::ScenarioCharacter& c : content->scenario.characters) {
+  for (content::ScenarioCharacter& c : content->scenario.characters) {
     if (Result<void> made = mechanism(c.mechanism); !made) return fail(std::move(made.error()));
-    for (const content::ScenarioClip& clip : c.track)
+    for (content::ScenarioClip& clip : c.track) {
       if (Result<void> made = motion(clip.motion); !made) return fail(std::move(made.error()));
+      const content::GaitRecipe* gait = recipes.gait_of(clip.motion);
+      if (gait == nullptr) continue;
+      if (!clip.gait) clip.gait = *gait;  // the clip can be changed in the inspector
+      // a text cannot know how long a gait along a path lasts
+      if (!clip.loop && clip.speed > 0)
+        clip.length = std::min(clip.length, (recipes.motion(clip.motion).value()->duration() - clip.offset) / clip.speed);
+    }
   }
   for (const content::Rule& rule : content->scenario.rules)
     if (rule.action.type == content::ActionType::play)

@@ -43,7 +43,10 @@ Result<gait::GaitOptions> options_of(const MechanismPtr& mechanism, content::Gai
   }
   std::ranges::sort(o.stages, {}, &gait::GaitStage::time);
   if (!recipe.path.empty()) {
-    o.path = {{0, 0, 0}};
+    // A clip is placed by the root's heading in its first frame, so the path begins straight ahead.
+    constexpr double max_lead = 0.3, lead_share = 0.25;  // m; of the distance of the first point
+    const double lead = std::min(max_lead, lead_share * std::hypot(recipe.path[0][0], recipe.path[0][1]));
+    o.path = {{0, 0, 0}, {lead, 0, 0}};
     for (const std::array<double, 2>& p : recipe.path) o.path.push_back({p[0], p[1], 0});
     if (Result<void> fitted = gait::fit_to_path(mechanism, o); !fitted) return fail(fitted.error());
     recipe.seconds = o.seconds;

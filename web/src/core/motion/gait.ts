@@ -108,6 +108,14 @@ export function smooth_path(points: readonly Point[], pieces = 16): Point[] {
   return out;
 }
 
+/** The points of a recipe's path with its start and the lead-in: the service lets the body first go straight ahead. */
+export function with_lead(path: readonly Point[]): Point[] {
+  const first = path[0];
+  if (!first) return [[0, 0]];
+  const lead = Math.min(0.3, 0.25 * Math.hypot(first[0], first[1])); // m
+  return [[0, 0], [lead, 0], ...path];
+}
+
 /** Length of a line through points, m. */
 export const path_length = (points: readonly Point[]): number => points.reduce((sum, p, i) => (i === 0 ? 0 : sum + Math.hypot(p[0] - points[i - 1]![0], p[1] - points[i - 1]![1])), 0);
 

@@ -1,7 +1,7 @@
 /** The inspector's fields of a gait: every change makes the motion again, in one undo step. */
 import { useEffect, useState, type ReactElement } from 'react';
 import type { Clip } from '../../core/document';
-import { kind_labels, path_length, smooth_path, style_labels, type GaitRecipe, type Gaits, type GaitStage } from '../../core/motion/gait';
+import { kind_labels, path_length, smooth_path, style_labels, with_lead, type GaitRecipe, type Gaits, type GaitStage } from '../../core/motion/gait';
 import { gaits, useDesk, useGaits, useStudio } from '../app';
 import { Icon } from '../icons';
 import { ChoiceField, NumberField, SwitchField } from '../NumberField';
@@ -47,7 +47,7 @@ export function GaitFields({ character, clip, gait }: { character: string; clip:
         </>
       ) : (
         <p className="facts">
-          {path_length(smooth_path([[0, 0], ...path])).toFixed(1)} m in {gait.seconds.toFixed(1)} s, from standing to standing.
+          {path_length(smooth_path(with_lead(path))).toFixed(1)} m in {gait.seconds.toFixed(1)} s, from standing to standing.
         </p>
       )}
       {stages.map((stage, i) => (

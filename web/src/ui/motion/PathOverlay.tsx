@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState, type PointerEvent, type ReactElement } from 'react';
 import * as THREE from 'three';
 import { find_clip } from '../../core/document';
-import { from_world, path_length, smooth_path, to_world, type Point, type Start } from '../../core/motion/gait';
+import { from_world, path_length, smooth_path, to_world, with_lead, type Point, type Start } from '../../core/motion/gait';
 import type { Viewport } from '../../view/viewport';
 import { gaits, useGaits, useStudio } from '../app';
 
@@ -43,11 +43,11 @@ export function PathOverlay({ viewport }: { viewport: Viewport }): ReactElement 
   let points: Point[] = drawing ? drawing.points : base && path ? path.map((p) => to_world(base, p)) : [];
   if (moved) points = points.map((p, i) => (i === moved.index ? moved.point : p));
   const all: Point[] = base ? [to_world(base, [0, 0]), ...points] : [];
-  const key = JSON.stringify(all);
+  const line_through = base ? smooth_path(with_lead(points.map((p) => from_world(base, p))).map((p) => to_world(base, p))) : [];
+  const key = JSON.stringify([all, line_through]);
 
   useEffect(() => {
-    const corners = JSON.parse(key) as Point[];
-    const curve = smooth_path(corners);
+    const [corners, curve] = JSON.parse(key) as [Point[], Point[]];
     const place = (): void => {
       const box = viewport.canvas.getBoundingClientRect();
       const on_page = ([x, y]: Point): { x: number; y: number } | null => {
@@ -116,7 +116,7 @@ export function PathOverlay({ viewport }: { viewport: Viewport }): ReactElement 
       ))}
       {drawing && (
         <div className="path-bar" role="toolbar" aria-label="Path">
-          <span role="status">{points.length === 0 ? 'Click on the floor where the path leads' : `${points.length} ${points.length === 1 ? 'point' : 'points'}, ${path_length(smooth_path(all)).toFixed(1)} m`}</span>
+          <span role="status">{points.length === 0 ? 'Click on the floor where the path leads' : `${points.length} ${points.length === 1 ? 'point' : 'points'}, ${path_length(line_through).toFixed(1)} m`}</span>
           <button type="button" disabled={points.length === 0} title="Make the motion along this path  (Enter)" onClick={() => void gaits.finish()}>Done</button>
           <button type="button" disabled={points.length === 0} title="Remove the last point  (Backspace)" onClick={() => gaits.remove_last()}>Back</button>
           <button type="button" title="Keep the motion as it was  (Esc)" onClick={() => gaits.cancel()}>Cancel</button>
