@@ -9,11 +9,56 @@
 
 #include "ugoki/contact/augmented_law.h"
 #include "ugoki/contact/contact_law.h"
+#include "ugoki/contact/dense_kernels.h"
 #include "ugoki/contact/envelope_matrix.h"
 #include "ugoki/contact/system_order.h"
 
 namespace ugoki::contact {
 namespace {
+
+TEST(DenseKernels, EveryWidthHasTheSameBitsAndSolvesTheEquations) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (const int n : {1, 3, 10, 31}) {
+    const auto size = static_cast<std::size_t>(n);
+    const int width = n + 1, stride = n + 5;
+    std::vector<double> B(size * static_cast<std::size_t>(stride)), A(size * static_cast<std::size_t>(width)), p(size);
+    for (std::size_t i = 0; i < size; ++i) {
+      p[i] = any(random);
+      for (std::size_t j = 0; j <= i; ++j)
+        B[i * static_cast<std::size_t>(stride) + j] = B[j * static_cast<std::size_t>(stride) + i] = any(random) + (i == j ? n : 0);
+    }
+    std::vector<double> last_A, last_u;
+    for (const bool wide : {false, true}) {
+      if (!use_dense_kernels(wide)) continue;
+      std::vector<double> u(size), inverse(size);
+      dense_kernels().add_product(B.data(), stride, n, p.data(), u.data());
+      for (std::size_t i = 0; i < size; ++i) {
+        double exact = 0;
+        for (std::size_t j = 0; j < size; ++j) {
+          A[i * static_cast<std::size_t>(width) + j] = B[i * static_cast<std::size_t>(stride) + j];
+          exact += B[i * static_cast<std::size_t>(stride) + j] * p[j];
+        }
+        EXPECT_NEAR(u[i], exact, 1e-12 * n);
+        A[i * static_cast<std::size_t>(width) + size] = u[i];  // the equations B x = B p have the solution p
+      }
+      dense_kernels().eliminate(A.data(), n, width, inverse.data());
+      std::vector<double> x(size);
+      for (std::size_t k = size; k-- > 0;) {
+        double sum = A[k * static_cast<std::size_t>(width) + size];
+        for (std::size_t j = k + 1; j < size; ++j) sum -= A[k * static_cast<std::size_t>(width) + j] * x[j];
+        x[k] = sum * inverse[k];
+        EXPECT_NEAR(x[k], p[k], 1e-12);
+      }
+      if (!last_A.empty()) {
+        EXPECT_EQ(A, last_A);
+        EXPECT_EQ(u, last_u);
+      }
+      last_A = A;
+      last_u = u;
+    }
+  }
+}
 
 TEST(EnvelopeMatrix, SolutionSatisfiesTheEquations) {
   std::mt19937_64 random(3);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ugoki/contact/contact_law.h"
+#include "ugoki/contact/dense_kernels.h"
 
 namespace ugoki::contact {
 namespace {
@@ -57,50 +58,17 @@ void DenseIsland::number_rows(const IslandRows& island) {
   stride_ = (n_ + 7) & ~3;
 }
 
-/// Calculates B = Y Y^T (Y: whitened rows). Two chains of one system share their DOFs from the root up to the first difference.
+/// Calculates B = Y Y^T (Y: whitened rows).
 void DenseIsland::make_matrix(const IslandRows& island) {
-  const auto stride = static_cast<std::size_t>(stride_);
-  B_.assign(static_cast<std::size_t>(n_) * stride, 0.0);
-  const std::size_t count = island.order.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    const RowBlock& a = island.blocks[static_cast<std::size_t>(island.order[i])];
-    for (std::size_t j = 0; j <= i; ++j) {
-      const RowBlock& b = island.blocks[static_cast<std::size_t>(island.order[j])];
-      RowLanes sum[3] = {};
-      for (int sa = 0; sa < a.segments; ++sa) {
-        const RowSegment& x = island.segments[static_cast<std::size_t>(a.first_segment + sa)];
-        for (int sb = 0; sb < b.segments; ++sb) {
-          const RowSegment& y = island.segments[static_cast<std::size_t>(b.first_segment + sb)];
-          if (x.system != y.system) continue;
-          int shared = std::min(x.length, y.length);
-          if (x.index != y.index) {
-            const auto dof = [](const RowSegment& chain, int e) { return chain.index ? chain.index[e] : e; };
-            while (shared > 0 && dof(x, shared - 1) != dof(y, shared - 1)) --shared;
-          }
-          const double* const X = island.rows + x.offset;
-          const double* const Y = island.rows + y.offset;
-          for (int e = 0; e < shared; ++e) {
-            const RowLanes lanes = row_lanes(Y, e);
-            for (int r = 0; r < a.rows; ++r) sum[r] += X[4 * e + r] * lanes;
-          }
-        }
-      }
-      for (int r = 0; r < a.rows; ++r)
-        for (int c = 0; c < b.rows; ++c) {
-          const auto row = static_cast<std::size_t>(local_[i] + r), col = static_cast<std::size_t>(local_[j] + c);
-          B_[row * stride + col] = sum[r][c];
-          B_[col * stride + row] = sum[r][c];
-        }
-    }
-  }
+  B_.resize(static_cast<std::size_t>(n_) * static_cast<std::size_t>(stride_));
+  dense_kernels().make_matrix({island.blocks.data(), island.order.data(), static_cast<int>(island.order.size()), island.segments.data(),
+                               island.rows, local_.data(), B_.data(), stride_});
 }
 
 /// Calculates the velocities u = target + B p from the impulses p.
 void DenseIsland::update_velocities() {
   std::ranges::copy(target_, u_.begin());
-  for (int r = 0; r < n_; ++r)
-    if (const double p = p_[static_cast<std::size_t>(r)]; p != 0)
-      for (int k = 0; k < n_; ++k) u_[static_cast<std::size_t>(k)] += column(r)[k] * p;
+  dense_kernels().add_product(B_.data(), stride_, n_, p_.data(), u_.data());
 }
 
 /// Solves each block once, with the impulses of the others fixed. @return m/s: maximum change of a velocity

@@ -5,6 +5,7 @@
 
 #include "ugoki/contact/contact_law.h"
 #include "ugoki/contact/dense_island.h"
+#include "ugoki/contact/dense_kernels.h"
 
 namespace ugoki::contact {
 namespace {
@@ -184,9 +185,7 @@ double DenseIsland::residual(const IslandRows& island) {
 void DenseIsland::make_equations() {
   const std::size_t n = unknowns_.size(), m = sliding_.size(), width = n + 2 * m + 1;
   std::ranges::copy(target_, fixed_u_.begin());
-  for (int r = 0; r < n_; ++r)
-    if (const double p = fixed_[static_cast<std::size_t>(r)]; p != 0)
-      for (int k = 0; k < n_; ++k) fixed_u_[static_cast<std::size_t>(k)] += column(r)[k] * p;
+  dense_kernels().add_product(B_.data(), stride_, n_, fixed_.data(), fixed_u_.data());
   const auto read = [](const Unknown& x, const double* u) { return x.tangent ? x.t1 * u[x.row + 1] + x.t2 * u[x.row + 2] : u[x.row]; };
   A_.resize(n * width);
   S_.resize(m * (m + 1));
@@ -220,22 +219,10 @@ void DenseIsland::make_equations() {
 /// factored without row exchanges. The rest, its Schur complement, has one row for each sliding contact. Dependent rows get the impulse 0.
 /// @return false if the Schur complement is singular
 bool DenseIsland::solve_equations() {
-  constexpr double dependent = 1e-13;  // fraction of a diagonal entry that is rounding
   const std::size_t n = unknowns_.size(), m = sliding_.size(), width = n + 2 * m + 1;
   z_.resize(n + m);
   inverse_.resize(n);
-  for (std::size_t i = 0; i < n; ++i) inverse_[i] = A_[i * width + i];
-  for (std::size_t k = 0; k < n; ++k) {
-    const double* const row = A_.data() + k * width;
-    const double inverse = row[k] > dependent * inverse_[k] ? 1 / row[k] : 0;
-    inverse_[k] = inverse;
-    for (std::size_t i = k + 1; i < n; ++i) {
-      const double factor = row[i] * inverse;
-      if (factor == 0) continue;
-      double* const other = A_.data() + i * width;
-      for (std::size_t j = i; j < width; ++j) other[j] -= factor * row[j];
-    }
-  }
+  dense_kernels().eliminate(A_.data(), static_cast<int>(n), static_cast<int>(width), inverse_.data());
   for (std::size_t k = 0; k < n && m > 0; ++k) {
     const double* const row = A_.data() + k * width;
     for (std::size_t i = 0; i < m; ++i) {
@@ -272,12 +259,8 @@ bool DenseIsland::find_step(const IslandRows& island) {
     }
   }
   std::ranges::fill(step_u_, 0.0);
-  for (int r = 0; r < n_; ++r) {
-    double& step = step_[static_cast<std::size_t>(r)];
-    step -= p_[static_cast<std::size_t>(r)];
-    if (step != 0)
-      for (int k = 0; k < n_; ++k) step_u_[static_cast<std::size_t>(k)] += column(r)[k] * step;
-  }
+  for (std::size_t r = 0; r < step_.size(); ++r) step_[r] -= p_[r];
+  dense_kernels().add_product(B_.data(), stride_, n_, step_.data(), step_u_.data());
   return std::ranges::all_of(step_, is_finite);
 }
 

@@ -229,23 +229,28 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
   UGOKI_CHECK(systems.size() == mechanisms_.size() && dt > 0);
   StepReport report;
   frames_.resize(3 * contacts.size());
+  choose_methods(contacts);
+  handed_over_ = 0;
+  const auto prepare_and_keep = [&](std::size_t s) {
+    prepare(s, systems[s], dt);
+    scratch_[s].unforced = scratch_[s].free_v;
+  };
+  // Without impacts each system is prepared at once, while its kinematics are in the processor's cache.
+  bool prepared = std::ranges::none_of(contacts, [](const collision::ContactPoint& c) { return c.restitution > 0; });
   for_each_system([&](std::size_t s) {
     std::ranges::copy(systems[s].v, scratch_[s].v.begin());
     scratch_[s].is_inertial =
         scratch_[s].inertial && !scratch_[s].gripped && scratch_[s].inertial->turn(systems[s].v, dt) > InertialMotion::threshold;
     dynamics::update_kinematics(*mechanisms_[s], systems[s].q, scratch_[s].v, workspaces_[s]);
+    if (prepared) prepare_and_keep(s);
   });
-  choose_methods(contacts);
-  handed_over_ = 0;
   find_impacts(systems, contacts, dt, report);
   SolverReport solved;
   for (bool solve = true; solve && report.status == StepStatus::ok;) {
     solver_.clear();
     report.limits = 0;
-    for_each_system([&](std::size_t s) {
-      prepare(s, systems[s], dt);
-      scratch_[s].unforced = scratch_[s].free_v;
-    });
+    if (!prepared) for_each_system(prepare_and_keep);
+    prepared = false;  // a second solution prepares the systems again
     for (std::size_t s = systems.size(); s-- > 0;) {
       if (scratch_[s].singular_dof < 0) continue;
       report.status = StepStatus::singular;
