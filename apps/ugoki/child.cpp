@@ -19,6 +19,10 @@ namespace ugoki::cli {
 
 namespace fs = std::filesystem;
 
+namespace {
+constexpr int pipe_size = 1 << 20;  // bytes: a sixteenth of the system calls of a usual pipe
+}
+
 Result<std::string> find_program(const std::string& given, std::initializer_list<const char*> names, const char* remedy) {
   if (!given.empty()) {
     if (::access(given.c_str(), X_OK) == 0) return given;
@@ -65,6 +69,7 @@ Result<std::unique_ptr<Child>> Child::start(const std::vector<std::string>& word
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (ends[0] >= 0) ::close(ends[0]);
+  if (ends[1] >= 0) ::fcntl(ends[1], F_SETPIPE_SZ, pipe_size);  // the program also runs with the smaller pipe, only slower
   child->input_ = ends[1];
   if (status != 0) {
     child->pid_ = -1;

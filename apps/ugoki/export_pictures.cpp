@@ -285,7 +285,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
     return out;
   };
   if (Result<void> done = start_video(
-          outputs.mp4, coder({"-c:v", "libx264", "-preset", "veryfast", "-crf", "17", "-pix_fmt", "yuv420p", "-movflags", "+faststart"}),
+          outputs.mp4, coder({"-c:v", "libx264", "-preset", "ultrafast", "-aq-mode", "1", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart"}),
           ".mp4");
       !done)
     return fail(std::move(done.error()));

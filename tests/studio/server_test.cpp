@@ -26,6 +26,10 @@ using test::WebSocket;
 class Echo final : public ServerEvents {
  public:
   void on_api(ApiRequest r, std::function<void(ApiReply)> answer) override {
+    {
+      const std::scoped_lock lock(mutex);
+      last_body = r.body;
+    }
     std::thread([answer = std::move(answer), text = r.method + " " + r.path + " " + r.query + " " + std::to_string(r.body.size())] {
       answer({200, nlohmann::json{{"got", text}}.dump()});
     }).detach();
@@ -55,6 +59,7 @@ class Echo final : public ServerEvents {
   std::mutex mutex;
   std::condition_variable changed;
   std::vector<std::function<void()>> held;
+  std::string last_body;
   bool hold = false;
   int closed = 0;
 };
@@ -254,6 +259,26 @@ TEST_F(ServerTest, ForwardsApiRequests) {
   EXPECT_NE(post.body.find(" 3000000"), std::string::npos);
   const Reply chunked = request(port(), "POST", "/api/import", {bearer(), "Transfer-Encoding: chunked", "Content-Length: 0"}, "");
   EXPECT_EQ(chunked.status, 400);  // Transfer-Encoding and Content-Length together are ambiguous
+}
+
+TEST_F(ServerTest, ReadsLargeBodiesUnchangedOnOneConnection) {
+  test::Socket socket(port());
+  for (const std::size_t size : {std::size_t{512} * 1024 - 1, std::size_t{512} * 1024, std::size_t{3'110'400}, std::size_t{7}}) {
+    std::string body(size, '\0');
+    for (std::size_t i = 0; i < size; ++i) body[i] = static_cast<char>((i * 2654435761u) >> 13);
+    socket.send("POST /api/import HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port()) + "\r\n" + bearer() +
+                "\r\nContent-Length: " + std::to_string(size) + "\r\n\r\n" + body.substr(0, size / 3));
+    socket.send(body.substr(size / 3));
+    std::string got;
+    const std::string wanted = "POST /api/import  " + std::to_string(size);
+    while (got.find(wanted) == std::string::npos) {
+      const std::string part = socket.receive(4096);
+      ASSERT_FALSE(part.empty()) << size;
+      got += part;
+    }
+    const std::scoped_lock lock(echo.mutex);
+    EXPECT_TRUE(echo.last_body == body) << size;
+  }
 }
 
 TEST_F(ServerTest, KeepsConnectionForSeveralRequests) {

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <sys/socket.h>
 
+#include <boost/asio/read.hpp>
 #include <optional>
 
 #include "ugoki/json/json.h"
@@ -18,6 +19,8 @@ namespace {
 constexpr std::uint32_t max_header_bytes = 16 * 1024;
 constexpr std::size_t max_small_body = std::size_t{256} * 1024;  // maximum body of a request other than an import, bytes
 constexpr std::size_t max_open_body = 1024;                      // maximum body of a request without the token, bytes
+constexpr std::size_t large_body = std::size_t{512} * 1024;      // from this size, a body is read by read_large_body(), bytes
+constexpr std::size_t largest_read = std::size_t{4} << 20;       // maximum number of bytes of one call
 constexpr std::chrono::seconds drain_time{2};                    // the rest of a refused request is read for at most this time
 
 }  // namespace
@@ -82,7 +85,22 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     body_limit_ = limit;
     parser_->body_limit(limit);
     stream_.expires_after(granted ? server_.options.body_time : server_.options.request_time);
+    if (const std::uint64_t length = parser_->content_length().value_or(0); granted && length >= large_body)
+      return read_large_body(static_cast<std::size_t>(length));
     http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) { self->on_body(error); });
+  }
+
+  /// Reads the body with few system calls. Beast reads at most 64 KiB a call, which takes most of the time of a picture of a video.
+  void read_large_body(std::size_t length) {
+    body_.resize(length);
+    const std::size_t arrived = net::buffer_copy(net::buffer(body_), buffer_.data());
+    buffer_.consume(arrived);
+    const auto at_most = [](error_code error, std::size_t) { return error ? std::size_t{0} : largest_read; };
+    net::async_read(stream_, net::buffer(body_) + arrived, at_most, [self = shared_from_this()](error_code error, std::size_t) {
+      self->parser_->eager(true);
+      if (!error) self->parser_->put(net::buffer(self->body_), error);
+      self->on_body(error);
+    });
   }
 
   Admission admit(const http::request<http::string_body>& request) const {
@@ -325,6 +343,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
   std::optional<Response> response_;
+  std::string body_;  // being read (read_large_body); its memory is used again
   Target target_;
   std::size_t body_limit_ = 0;       // maximum size of the request's body, bytes
   std::uint64_t unadmitted_id_ = 0;  ///< key of this connection in Impl::unadmitted; 0: not in the map

@@ -19,7 +19,7 @@ export interface IndexRange {
 }
 
 const shadow_cells_over_height = 65; // edges of shadows move by at most 2 mm, less than a texel of the shadow map
-const cells_over_height = 130; // 14 mm for a person of 1.8 m: fingers and toes of the samples have no shapes of their own
+const cells_over_height = 100; // 18 mm for a person of 1.8 m: fingers and toes of the samples have no shapes of their own
 /** Maximum number of links of a body; sets the size of a uniform array of the shader, of which WebGL 2 guarantees 256 vectors. */
 export const max_links = 96;
 

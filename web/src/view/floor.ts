@@ -38,7 +38,6 @@ flat varying vec3 v_lit, v_shaded;
 uniform vec3 u_background, u_line;
 uniform vec2 u_focus;
 uniform float u_reach, u_strength;
-uniform int u_pattern; // index into ground_patterns
 
 // Random number of a cell, 0 ... 1.
 float random_of(vec2 cell) { return fract(sin(dot(cell, vec2(12.9898, 78.233))) * 43758.5453); }
@@ -95,18 +94,19 @@ void main() {
     if (all(greaterThanEqual(s.xy, vec2(0.0))) && all(lessThanEqual(s, vec3(1.0)))) shadow = soft_shadow(s);
   #endif
   vec3 color = mix(v_shaded, v_lit, shadow);
-  if (u_pattern == 0) {
+  // PATTERN is the index into ground_patterns. Without a graphics processor, all branches of an 'if' would be computed for every pixel.
+  #if PATTERN == 0
     float near_fade = 1.0 - smoothstep(0.15 * u_reach, 0.6 * u_reach, away);
     float lines = 0.6 * grid_line(p, w, 1.0, 0.55) + 0.4 * grid_line(p, w, 0.2, 0.75);
     color = mix(color, u_line, clamp(lines, 0.0, 1.0) * u_strength * near_fade);
     vec2 axes = 1.0 - smoothstep(0.4, 1.4, abs(p) / max(w, vec2(1e-6)));
     color = mix(color, vec3(0.75, 0.4, 0.4), axes.y * 2.0 * u_strength * near_fade);
     color = mix(color, vec3(0.4, 0.62, 0.42), axes.x * 2.0 * u_strength * near_fade);
-  } else if (u_pattern == 2) {
+  #elif PATTERN == 2
     color *= 1.0 - 0.14 * checker(p, w);
-  } else if (u_pattern == 3) {
+  #elif PATTERN == 3
     color *= pow(boards(p, w), 0.42); // a factor on light as a factor on displayed colours
-  }
+  #endif
   gl_FragColor = vec4(mix(color, u_background, smoothstep(0.12 * u_reach, u_reach, away)), 1.0);
 }`;
 
@@ -160,15 +160,14 @@ export class Floor {
     u_focus: { value: new THREE.Vector2() },
     u_reach: { value: 20 },
     u_strength: { value: 0.5 },
-    u_pattern: { value: 0 },
   };
-  private readonly disc: THREE.Mesh;
-  private readonly patches: THREE.Mesh;
+  private readonly disc: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>;
+  private readonly patches: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>;
   private readonly corners = new THREE.BufferAttribute(new Float32Array(18 * max_patches), 3).setUsage(THREE.DynamicDrawUsage);
 
   constructor() {
     const material = (more: THREE.ShaderMaterialParameters): THREE.ShaderMaterial =>
-      new THREE.ShaderMaterial({ uniforms: this.uniforms, vertexShader: vertex_shader, fragmentShader: fragment_shader, lights: true, ...more });
+      new THREE.ShaderMaterial({ uniforms: this.uniforms, vertexShader: vertex_shader, fragmentShader: fragment_shader, lights: true, ...more, defines: { PATTERN: 0, ...more.defines } });
     // The patches are drawn first. The disc is moved back by the smallest visible depth, so that it does not cover them.
     this.patches = new THREE.Mesh(new THREE.BufferGeometry().setAttribute('position', this.corners), material({ defines: { PATCH: '' } }));
     this.disc = new THREE.Mesh(new THREE.CircleGeometry(1, 128), material({ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 }));
@@ -206,7 +205,10 @@ export class Floor {
 
   /** @param strength opacity of the grid lines, 0 ... 1 */
   set_colors(floor: THREE.Color, line: THREE.Color, background: THREE.Color, strength: number, pattern: string): void {
-    this.uniforms.u_pattern.value = Math.max(0, ground_patterns.indexOf(pattern));
+    for (const mesh of [this.patches, this.disc]) {
+      mesh.material.defines.PATTERN = Math.max(0, ground_patterns.indexOf(pattern));
+      mesh.material.needsUpdate = true;
+    }
     this.uniforms.u_floor.value.copy(floor);
     this.uniforms.u_line.value.copyLinearToSRGB(line);
     this.uniforms.u_background.value.copyLinearToSRGB(background);
@@ -216,7 +218,7 @@ export class Floor {
   /** True: the floor is drawn into the depth buffer only, before the bodies, so that it hides the parts of bodies below it. */
   set_depth_only(on: boolean): void {
     for (const [order, mesh] of [this.patches, this.disc].entries()) {
-      (mesh.material as THREE.Material).colorWrite = !on;
+      mesh.material.colorWrite = !on;
       mesh.renderOrder = order + (on ? -2 : 1);
     }
   }

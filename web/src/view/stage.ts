@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { plain_look, type Look } from '../core/look';
 import { Floor } from './floor';
+import './shading';
 import { floor_layer, SmoothAreas } from './smooth_areas';
 import { Sky } from './sky';
 
