@@ -18,7 +18,7 @@ bool neighbours(const MarkerSet& set, int a, int b) {
   return a == b || parent(a) == b || parent(b) == a;
 }
 
-/// Unknowns shared by all frames: three coordinates for each marker offset, then three for each unknown segment offset. A left and a right
+/// Unknowns shared by all frames: three coordinates for each marker's deviation from its usual place on the segment, then three for each unknown segment offset. A left and a right
 /// segment share their unknowns; the sign of y is changed on the second side.
 struct Shared {
   std::vector<int> of_segment;  // [segments] index of the first unknown of the segment's offset; -1: the offset is known
@@ -62,7 +62,7 @@ std::vector<double> departures(const Subject& s, const Shared& shared) {
   const auto put = [&](int at, const Vec3& v) {
     for (int c = 0; c < 3; ++c) out[static_cast<std::size_t>(at + c)] = v[c];
   };
-  for (std::size_t m = 0; m < s.marker_offsets.size(); ++m) put(3 * static_cast<int>(m), s.marker_offsets[m] - s.marker(m).at * s.size);
+  for (std::size_t m = 0; m < s.marker_offsets.size(); ++m) put(3 * static_cast<int>(m), s.marker_offsets[m] - usual_place(s, m));
   for (std::size_t i = 0; i < s.segment_count(); ++i)
     if (shared.of_segment[i] >= 0 && shared.flipped[i] == 0) put(shared.of_segment[i], s.offsets[i] - s.segment(i).offset * s.size);
   return out;
@@ -74,7 +74,12 @@ void apply(Subject& s, const Shared& shared, const std::vector<double>& step) {
     const double* d = step.data() + at;
     return Vec3{d[0], d[1], d[2]};
   };
-  for (std::size_t m = 0; m < s.marker_offsets.size(); ++m) s.marker_offsets[m] += get(3 * static_cast<int>(m));
+  for (std::size_t m = 0; m < s.marker_offsets.size(); ++m) {
+    s.marker_offsets[m] += get(3 * static_cast<int>(m));
+    if (s.marker(m).end < 0) continue;
+    const auto end = static_cast<std::size_t>(s.marker(m).end);
+    if (shared.of_segment[end] >= 0) s.marker_offsets[m] += flip(get(shared.of_segment[end]), shared.flipped[end]) * s.marker(m).share;
+  }
   for (std::size_t i = 0; i < s.segment_count(); ++i)
     if (shared.of_segment[i] >= 0) s.offsets[i] += flip(get(shared.of_segment[i]), shared.flipped[i]);
 }
@@ -88,13 +93,13 @@ void shared_blocks(const Subject& s, const Shared& shared, const Kinematics& k, 
   out.clear();
   int i = s.marker(m).segment;
   out.push_back({3 * static_cast<int>(m), k.R[static_cast<std::size_t>(i)]});
-  for (; i >= 0; i = s.segment(static_cast<std::size_t>(i)).parent) {
-    const auto j = static_cast<std::size_t>(i);
-    if (shared.of_segment[j] < 0) continue;
-    Mat3 J = k.R[static_cast<std::size_t>(s.segment(j).parent)];
-    if (shared.flipped[j] != 0) J = J * Mat3::diagonal(1, -1, 1);
+  const auto add_segment = [&](std::size_t j, double share) {
+    if (shared.of_segment[j] < 0) return;
+    Mat3 J = k.R[static_cast<std::size_t>(s.segment(j).parent)] * Mat3::diagonal(share, shared.flipped[j] != 0 ? -share : share, share);
     out.push_back({shared.of_segment[j], J});
-  }
+  };
+  if (s.marker(m).end >= 0 && s.marker(m).share > 0) add_segment(static_cast<std::size_t>(s.marker(m).end), s.marker(m).share);
+  for (; i >= 0; i = s.segment(static_cast<std::size_t>(i)).parent) add_segment(static_cast<std::size_t>(i), 1);
 }
 
 /// Normal equations S x = -r for the step x of the shared unknowns, with all poses eliminated (Schur complement). Each frame adds S += C -
@@ -287,6 +292,44 @@ double find_first_pose(PoseSolver& solver, const Subject& subject, const Measure
   return minimum;
 }
 
+bool turn_limbs(const Subject& subject, const std::vector<MeasuredFrame>& frames, std::vector<ModelPose>& poses) {
+  constexpr double pi = 3.14159265358979323846;
+  // About ten frames decide.
+  const std::size_t stride = std::max<std::size_t>(1, frames.size() / 10);
+  PoseSolver solver;
+  const PoseOptions options;
+  const auto cost_of = [&](std::vector<ModelPose>& trial, std::size_t step) {
+    double sum = 0;
+    for (std::size_t f = 0; f < frames.size(); f += step) sum += solver.solve(subject, frames[f], options, trial[f]);
+    return sum;
+  };
+  double best = cost_of(poses, stride);
+  bool turned = false;
+  for (std::size_t i = 0; i + 1 < subject.segment_count(); ++i) {
+    // A shoulder: a ball joint that carries an elbow. Legs have enough markers.
+    const auto child = [&]() -> std::size_t {
+      for (std::size_t k = i + 1; k < subject.segment_count(); ++k) {
+        const ModelJoint joint = subject.segment(k).joint;
+        if (subject.segment(k).parent == static_cast<int>(i) && joint == ModelJoint::universal) return k;
+      }
+      return 0;
+    }();
+    if (subject.segment(i).joint != ModelJoint::ball || subject.segment(i).mirror < 0 || child == 0) continue;
+    const Vec3 along = normalized(subject.offsets[child]);
+    for (int quarter = 1; quarter < 4; ++quarter) {
+      std::vector<ModelPose> trial = poses;
+      for (ModelPose& pose : trial) pose.rotations[i] = pose.rotations[i] * axis_angle(along, quarter * pi / 2);
+      const double cost = cost_of(trial, stride);
+      if (cost >= best * (1 - 1e-3)) continue;
+      best = cost;
+      poses = std::move(trial);
+      turned = true;
+    }
+  }
+  if (turned) cost_of(poses, 1);
+  return turned;
+}
+
 double calibrate(Subject& subject, const std::vector<MeasuredFrame>& frames, std::vector<ModelPose>& poses,
                  const std::function<bool()>& cancelled) {
   const Shared shared = shared_unknowns(subject);
@@ -307,7 +350,7 @@ double calibrate(Subject& subject, const std::vector<MeasuredFrame>& frames, std
     return cost;
   };
   const std::size_t max_iterations = max_iterations_per_frame * frames.size();
-  for (int round = 0; round < 25 && solver.iterations() < max_iterations && !stopped; ++round) {
+  for (int round = 0; round < 40 && solver.iterations() < max_iterations && !stopped; ++round) {
     Reduction reduction(shared);
     const double cost = solve_poses(subject, poses, &reduction);
     if (stopped) break;
@@ -327,7 +370,7 @@ double calibrate(Subject& subject, const std::vector<MeasuredFrame>& frames, std
       }
       for (double& x : step) x *= 0.3;
     }
-    if (!(then < cost * (1 - 1e-4))) break;
+    if (!(then < cost * (1 - 1e-5))) break;
   }
   return marker_rms(subject, frames, poses);
 }

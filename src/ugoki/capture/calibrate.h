@@ -26,6 +26,11 @@ namespace ugoki::capture {
 /// @param pose [out] the pose @return its cost (PoseSolver::solve)
 double find_first_pose(PoseSolver& solver, const Subject& subject, const MeasuredFrame& frame, ModelPose& pose);
 
+/// Turns upper arms about their long axes in all frames, by steps of 90 degrees, where this fits the markers better. Arms with few
+/// markers have several poses of locally minimal cost, which differ by such a turn.
+/// @param poses [frames, in and out] @return true if an arm was turned
+bool turn_limbs(const Subject& subject, const std::vector<MeasuredFrame>& frames, std::vector<ModelPose>& poses);
+
 /// Fits segment lengths (equal on both sides), marker offsets and the poses of all `frames` simultaneously: Gauss-Newton method with the
 /// poses eliminated by the Schur complement. The marker set's standard deviations are the priors.
 /// Ends early if the fit of a damaged recording does not converge.

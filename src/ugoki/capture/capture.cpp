@@ -147,7 +147,7 @@ class Solver {
     for (std::size_t m = 0; m < n; ++m) {
       const auto s = static_cast<std::size_t>(subject_.marker(m).segment);
       fitted[m] = marker_position(subject_, solver.kinematics(), m);
-      usual[m] = solver.kinematics().p[s] + solver.kinematics().R[s] * (subject_.marker(m).at * subject_.size);
+      usual[m] = solver.kinematics().p[s] + solver.kinematics().R[s] * usual_place(subject_, m);
     }
     const auto exchanged = [&](std::size_t a, std::size_t b, const std::vector<Vec3>& place, double limit) {
       const Vec3 &A = recorded_.at(frame, subject_.columns[a]), &B = recorded_.at(frame, subject_.columns[b]);
@@ -310,7 +310,9 @@ Result<Fit> fit_subject(const MarkerMotion& motion, const MarkerMotion& markers,
     options_far.outlier = 1e3;
     solver.solve(out.subject, frames[i], options_far, poses[i]);
   }
+  turn_limbs(out.subject, frames, poses);
   calibrate(out.subject, frames, poses, options.cancelled);
+  if (turn_limbs(out.subject, frames, poses)) calibrate(out.subject, frames, poses, options.cancelled);
   mirror_unseen_offsets(out.subject, frames);
   out.first = poses[0];
   out.from = chosen[0];

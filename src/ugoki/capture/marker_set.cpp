@@ -50,9 +50,27 @@ class Builder {
       marker(names, left || !sided ? left_segment : left_segment + 1, left ? at : mirrored(at), sigma, noise);
     }
   }
-  MarkerSet finish() { return std::move(set_); }
+  MarkerSet finish() {
+    for (ModelMarker& m : set_.markers) find_end(m);
+    return std::move(set_);
+  }
 
  private:
+  /// Finds the joint at the far end of the marker's segment, and how far along the segment the marker is. On a person with longer segments a
+  /// marker beside the elbow is beside the elbow. Landmarks of the pelvis do not follow the hip joints.
+  void find_end(ModelMarker& m) const {
+    if (set_.segments[static_cast<std::size_t>(m.segment)].parent < 0) return;
+    for (std::size_t i = 0; i < set_.segments.size(); ++i) {
+      const ModelSegment& s = set_.segments[i];
+      if (s.parent != m.segment || s.offset_sigma == Vec3{} || dot(s.offset, s.offset) == 0) continue;
+      const bool sideways = s.mirror >= 0 && set_.segments[static_cast<std::size_t>(m.segment)].mirror < 0;  // a collar bone of the chest
+      if (sideways) continue;
+      m.end = static_cast<int>(i);
+      m.share = std::clamp(dot(m.at, s.offset) / dot(s.offset, s.offset), 0.0, 1.0);
+      return;
+    }
+  }
+
   MarkerSet set_;
 };
 
@@ -101,14 +119,14 @@ Person add_person(Builder& b) {
   skull.end_sites = {{0, 0, 0.18}};
   const int head = b.middle(skull);
   const int collar = b.pair(ball("LeftShoulder", chest, {0.01, 0.02, 0.2}, {0.01, 0.005, 0.015}, 0.2));
-  const int arm = b.pair(ball("LeftArm", collar, {0, 0.17, 0.005}, {0.008, 0.012, 0.008}, 2));
-  ModelSegment elbow = hinge("LeftForeArm", arm, {0, 0.28, 0}, {0.005, 0.03, 0.005}, {0, 0, -1}, -10 * deg, 160 * deg);
+  const int arm = b.pair(ball("LeftArm", collar, {0, 0.17, 0.005}, {0.01, 0.025, 0.01}, 2));
+  ModelSegment elbow = hinge("LeftForeArm", arm, {0, 0.28, 0}, {0.005, 0.04, 0.005}, {0, 0, -1}, -10 * deg, 160 * deg);
   elbow.joint = ModelJoint::universal;
   elbow.second_axis = {0, 1, 0};
   elbow.lower2 = -160 * deg;
   elbow.upper2 = 160 * deg;
   const int forearm = b.pair(elbow);
-  ModelSegment wrist = hinge("LeftHand", forearm, {0, 0.25, 0}, {0.005, 0.02, 0.005}, {0, 0, -1}, -90 * deg, 90 * deg);
+  ModelSegment wrist = hinge("LeftHand", forearm, {0, 0.25, 0}, {0.005, 0.03, 0.005}, {0, 0, -1}, -90 * deg, 90 * deg);
   wrist.joint = ModelJoint::universal;
   wrist.second_axis = {1, 0, 0};
   wrist.lower2 = -50 * deg;
@@ -141,16 +159,16 @@ MarkerSet make_human() {
   b.marker({"STERNUM"}, chest, {0.09, 0, 0.11}, 0.06);
   b.marker({"RBAC", "RBAK", "BACKRIGHT"}, chest, {-0.1, -0.07, 0.12}, 0.04);
   b.marker({"LBAC", "LBAK", "BACKLEFT"}, chest, {-0.1, 0.07, 0.12}, 0.04);
-  b.markers({"<SHO", "<ACR", "<SAE", "<ACROMION", "<ACROMIUM", "<CAJ", "<SHOULDERTOP", "<SHOULDER"}, collar, {0, 0.135, 0.045}, 0.015);
-  b.markers({"<SHOULDERBACK", "<SIA"}, collar, {-0.07, 0.11, -0.03}, 0.04);
+  b.markers({"<SHO", "<ACR", "<SAE", "<ACROMION", "<ACROMIUM", "<CAJ", "<SHOULDERTOP", "<SHOULDER"}, collar, {0, 0.135, 0.045}, 0.01);
+  b.markers({"<SHOULDERBACK", "<SIA"}, collar, {-0.07, 0.11, -0.03}, 0.03);
   b.markers({"<UPA", "<UPARM", "<BICEP", "<UARMHIGH", "<UARM"}, arm, {0, 0.14, 0.045}, 0.05);
   b.markers({"<ELB", "<LEE", "<LEL", "<ELBOW", "<HLE", "<ELBOWLAT", "<ELBOWLATERAL", "<ELBOWOUT", "<LATELBOW", "<ELBL"}, arm,
             {0, 0.28, 0.048}, 0.008);
   b.markers({"<HME", "<ELBOWMED", "<ELBOWMEDIAL", "<MEDELBOW", "<ELBM", "<MEE", "<MEL", "<ELBOWIN"}, arm, {0, 0.28, -0.045}, 0.01);
   b.markers({"<FRM", "<FRA", "<FARM"}, forearm, {0, 0.13, 0.03}, 0.05);
-  b.markers({"<WRA", "<RSP", "<WRISTLAT", "<WRISTLATERAL", "<LATWRIST", "<WRISTIN", "<RS"}, forearm, {0, 0.25, 0.045}, 0.02);
-  b.markers({"<WRB", "<USP", "<WRISTMED", "<WRISTMEDIAL", "<MEDWRIST", "<WRISTOUT", "<US"}, forearm, {0, 0.25, -0.045}, 0.02);
-  b.markers({"<WRI", "<WRIST"}, forearm, {-0.02, 0.25, 0}, 0.03);
+  b.markers({"<WRA", "<RSP", "<WRISTLAT", "<WRISTLATERAL", "<LATWRIST", "<WRISTIN", "<RS"}, forearm, {0, 0.25, 0.045}, 0.012);
+  b.markers({"<WRB", "<USP", "<WRISTMED", "<WRISTMEDIAL", "<MEDWRIST", "<WRISTOUT", "<US"}, forearm, {0, 0.25, -0.045}, 0.012);
+  b.markers({"<WRI", "<WRIST"}, forearm, {-0.02, 0.25, 0}, 0.015);
   b.markers({"<FIN", "<HAND", "<HM2", "<HANDIN"}, hand, {-0.015, 0.085, 0}, 0.02);
   b.markers({"<HM5", "<HANDOUT"}, hand, {-0.01, 0.08, -0.04}, 0.02);
   b.markers({"<GT", "<GTR", "<FTC", "<TROCH", "<TROCHANTER"}, thigh, {0, 0.075, 0}, 0.02);

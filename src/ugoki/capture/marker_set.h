@@ -34,6 +34,8 @@ struct ModelMarker {
   Vec3 at;                          ///< m, position in the segment's frame
   double sigma = 0;                 ///< m, standard deviation of the position on the body
   double noise = 1;                 ///< factor on PoseOptions::marker_sigma, for the motion of the skin relative to the bone
+  int end = -1;                     ///< index of the segment at the far end of the marker's segment; -1: none
+  double share = 0;                 ///< 0 to 1: share of a change of the end segment's offset by which the marker moves (1: beside that joint)
 };
 
 /// A model skeleton with its markers.

@@ -35,6 +35,16 @@ Subject make_subject(const MarkerSet& set, const std::vector<int>& match, double
   return s;
 }
 
+Vec3 usual_place(const Subject& s, std::size_t used) {
+  const ModelMarker& marker = s.marker(used);
+  Vec3 place = marker.at * s.size;
+  if (marker.end >= 0) {
+    const auto end = static_cast<std::size_t>(marker.end);
+    place += (s.offsets[end] - s.segment(end).offset * s.size) * marker.share;
+  }
+  return place;
+}
+
 Quat joint_rotation(const Subject& subject, const ModelPose& pose, std::size_t i) {
   const ModelSegment& s = subject.segment(i);
   switch (s.joint) {

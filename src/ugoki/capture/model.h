@@ -36,6 +36,9 @@ struct Subject {
 /// Returns a subject of the given relative size before calibration. @param match result of match_labels @param set must outlive the subject
 [[nodiscard]] Subject make_subject(const MarkerSet& set, const std::vector<int>& match, double size);
 
+/// Usual position [m] of a used marker in its segment's frame. Markers near the far end of a segment follow the segment's length.
+[[nodiscard]] Vec3 usual_place(const Subject& subject, std::size_t used);
+
 /// World poses of all segments, and the world axes of all DOFs.
 struct Kinematics {
   std::vector<Mat3> R;     ///< [segments] orientation

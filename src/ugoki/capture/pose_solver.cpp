@@ -34,6 +34,10 @@ Vec3 departure(const Subject& s, const ModelPose& pose, const ModelPose* from, s
           pose.angles[2 * i + 1] - (from == nullptr ? 0 : from->angles[2 * i + 1]), 0};
 }
 
+/// Huber limit [m] of a marker. Skin moves by at most a few centimetres relative to the bone: a marker with much noise that is farther off
+/// has a wrong label.
+double outlier_limit(const PoseOptions& o, double noise) { return o.outlier * std::clamp(noise, 1.0, 2.0); }
+
 /// Huber loss of an error r >= 0.
 double huber(double r, double limit) { return r <= limit ? 0.5 * r * r : limit * (r - 0.5 * limit); }
 
@@ -55,7 +59,8 @@ double PoseSolver::cost(const Subject& s, const MeasuredFrame& frame, const Pose
   double sum = 0;
   for (std::size_t m = 0; m < frame.positions.size(); ++m)
     if (frame.seen[m] != 0)
-      sum += huber(norm(marker_position(s, k_, m) - frame.positions[m]) / (o.marker_sigma * s.marker(m).noise), o.outlier / o.marker_sigma);
+      sum += huber(norm(marker_position(s, k_, m) - frame.positions[m]) / (o.marker_sigma * s.marker(m).noise),
+                   outlier_limit(o, s.marker(m).noise) / (o.marker_sigma * s.marker(m).noise));
   for (std::size_t i = 0; i < s.segment_count(); ++i) {
     const Vec3 rest = departure(s, pose, nullptr, i) / s.segment(i).stiffness_sigma;
     sum += 0.5 * dot(rest, rest);
@@ -67,6 +72,7 @@ double PoseSolver::cost(const Subject& s, const MeasuredFrame& frame, const Pose
 }
 
 Vec3 PoseSolver::jacobian(const Subject& s, std::size_t used, std::size_t dof) const {
+  if (pinned_[dof] != 0) return {};
   const Vec3 x = marker_position(s, k_, used);
   for (int i = s.marker(used).segment; i >= 0; i = s.segment(static_cast<std::size_t>(i)).parent) {
     const auto j = static_cast<std::size_t>(i);
@@ -81,7 +87,7 @@ Vec3 PoseSolver::jacobian(const Subject& s, std::size_t used, std::size_t dof) c
 }
 
 double marker_weight(const PoseOptions& o, double noise, double distance) {
-  const double sigma = o.marker_sigma * noise, outlier = o.outlier * noise;
+  const double sigma = o.marker_sigma * noise, outlier = outlier_limit(o, noise);
   return (distance > outlier ? outlier / distance : 1) / (sigma * sigma);
 }
 
@@ -119,6 +125,26 @@ void PoseSolver::linearize(const Subject& s, const MeasuredFrame& frame, const P
       g_[f] += rest * from_rest[c] + step * from_near[c];
       H_[f * n + f] += rest + step;
     }
+  }
+  pin_angles_at_limits(s, pose);
+}
+
+void PoseSolver::pin_angles_at_limits(const Subject& s, const ModelPose& pose) {
+  const auto n = static_cast<std::size_t>(s.dofs);
+  pinned_.assign(n, 0);
+  const auto check = [&](std::size_t f, double angle, double lower, double upper) {
+    if (!((angle <= lower && g_[f] > 0) || (angle >= upper && g_[f] < 0))) return;
+    pinned_[f] = 1;
+    g_[f] = 0;
+    for (std::size_t k = 0; k < n; ++k) H_[f * n + k] = H_[k * n + f] = 0;
+    H_[f * n + f] = 1;
+  };
+  for (std::size_t i = 0; i < s.segment_count(); ++i) {
+    const ModelSegment& segment = s.segment(i);
+    const auto first = static_cast<std::size_t>(s.first_dof[i]);
+    if (segment.joint == ModelJoint::hinge || segment.joint == ModelJoint::universal)
+      check(first, pose.angles[2 * i], segment.lower, segment.upper);
+    if (segment.joint == ModelJoint::universal) check(first + 1, pose.angles[2 * i + 1], segment.lower2, segment.upper2);
   }
 }
 

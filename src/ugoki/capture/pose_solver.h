@@ -40,7 +40,8 @@ class PoseSolver {
   /// Matrix of the normal equations at the last solution, [DOFs][DOFs], without damping. Only its lower triangle is valid.
   [[nodiscard]] std::span<const double> normal_matrix() const { return H_; }
   [[nodiscard]] const Kinematics& kinematics() const { return k_; }
-  /// Derivative (m per m or rad) of the used marker's world position with respect to a DOF at the last solution; zero without effect.
+  /// Derivative (m per m or rad) of the used marker's world position with respect to a DOF at the last solution; zero without effect and
+  /// for angles that their limits hold.
   [[nodiscard]] Vec3 jacobian(const Subject& subject, std::size_t used, std::size_t dof) const;
 
   /// Number of iterations of all calls of solve() so far.
@@ -50,7 +51,11 @@ class PoseSolver {
   double cost(const Subject& subject, const MeasuredFrame& frame, const PoseOptions& options, const ModelPose& pose);
   void linearize(const Subject& subject, const MeasuredFrame& frame, const PoseOptions& options, const ModelPose& pose);
 
+  /// Removes the DOFs at a limit that the gradient pushes further out from the normal equations.
+  void pin_angles_at_limits(const Subject& subject, const ModelPose& pose);
+
   Kinematics k_;
+  std::vector<char> pinned_;  // [DOFs] 1: at a limit
   std::vector<double> H_, g_, L_, step_;
   std::vector<int> chain_;
   std::size_t iterations_ = 0;

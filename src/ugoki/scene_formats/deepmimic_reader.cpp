@@ -53,6 +53,11 @@ double number_in(const Json& object, const char* key) {
   return it != object.end() && it->is_number() ? it->get<double>() : 0.0;
 }
 
+std::string text_in(const Json& object, const char* key) {
+  const auto it = object.find(key);
+  return it != object.end() && it->is_string() ? it->get<std::string>() : std::string();
+}
+
 Result<std::vector<Joint>> read_character(std::string_view text, std::string_view file) {
   Result<Json> json = json::parse_json(text, file);
   if (!json) return fail(std::move(json.error()));
@@ -70,9 +75,10 @@ Result<std::vector<Joint>> read_character(std::string_view text, std::string_vie
     const std::string where = "Skeleton/Joints/" + std::to_string(out.size());
     if (!j.is_object()) return bad(where, "The joint is not an object.");
     Joint joint;
-    joint.name = j.value("Name", "").empty() ? "joint " + std::to_string(out.size()) : j.value("Name", "");
+    joint.name = text_in(j, "Name");
+    if (joint.name.empty()) joint.name = "joint " + std::to_string(out.size());
     const double parent = number_in(j, "Parent");
-    const std::string type = j.value("Type", "");
+    const std::string type = text_in(j, "Type");
     if (out.empty())
       joint.kind = Kind::root;
     else if (type == "spherical" || type == "revolute" || type == "fixed")
