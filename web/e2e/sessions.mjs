@@ -166,7 +166,8 @@ export const session_journeys = [
       await blur(page);
       for (let i = 0; i < 9; i++) await page.keyboard.press('ArrowRight');
       await page.keyboard.press('Shift+P');
-      await until(page, async () => (await document_of(page)).events.length === 1, 'the push');
+      const [push] = await until(page, async () => (await document_of(page)).events.length === 1 && (await document_of(page)).events, 'the push');
+      assert.ok(Math.abs(push.time - 9 / 60) < 1e-3, `the push is at the frame to which the keys moved the playhead: ${push.time} s`);
       await page.keyboard.press('`');
       await until(page, async () => (await hook(page, 'transport()')).mode === 'simulate', 'Simulate');
       await page.keyboard.press('Shift+ArrowLeft');
