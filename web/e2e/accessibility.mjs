@@ -184,9 +184,12 @@ const crowded = (page) =>
         if (overflowX !== 'visible') cut ||= b.left < q.left - 1 || b.right > q.right + 1;
         if (overflowY !== 'visible') cut ||= b.top < q.top - 1 || b.bottom > q.bottom + 1;
       }
-      const at = document.elementFromPoint((b.left + b.right) / 2, (b.top + b.bottom) / 2);
+      const [dx, dy] = [b.width / 2 - 3, b.height / 2 - 3]; // the middle, and points inside of the corners
+      const over = [[0, 0], [-dx, -dy], [dx, -dy], [-dx, dy], [dx, dy]]
+        .map(([x, y]) => document.elementFromPoint((b.left + b.right) / 2 + x, (b.top + b.bottom) / 2 + y))
+        .find((at) => at && !e.contains(at) && !at.contains(e));
       if (cut && !scrolls) bad.push(`${name} is cut`);
-      else if (at && !e.contains(at) && !at.contains(e) && !scrolls) bad.push(`${name} is covered by ${at.className || at.tagName}`);
+      else if (over && !scrolls) bad.push(`${name} is covered by ${over.className || over.tagName}`);
     }
     const bar = [...document.querySelectorAll('.topbar button, .topbar select, .topbar .clock, .topbar .brand')].map((e) => ({ e, b: e.getBoundingClientRect() })).filter(({ b }) => b.width > 0);
     bar.forEach(({ e, b }, i) => {

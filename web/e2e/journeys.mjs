@@ -10,12 +10,14 @@ import { circuit_journeys } from './circuit.mjs';
 import { control_journeys } from './controls.mjs';
 import { plugin_journeys } from './plugins.mjs';
 import { editor_journeys } from './editor.mjs';
+import { recording_journeys } from './recordings.mjs';
 import { repair_journeys } from './repairs.mjs';
 import { posing_journeys } from './posing.mjs';
 import { timeline_journeys } from './timeline.mjs';
 import { look_journeys } from './looks.mjs';
 import { request_journeys } from './requests.mjs';
 import { rule_journeys } from './rules.mjs';
+import { session_journeys } from './sessions.mjs';
 import { sweep_journeys } from './sweeps.mjs';
 import { gait_journeys } from './gaits.mjs';
 import { library_journeys } from './library.mjs';
@@ -470,6 +472,8 @@ export const journeys = [
   ...control_journeys,
   ...sweep_journeys,
   ...plugin_journeys,
+  ...recording_journeys,
+  ...session_journeys,
   {
     name: 'the page reported no errors during the journeys',
     async run({ seen }) {

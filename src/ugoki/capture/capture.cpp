@@ -239,7 +239,8 @@ bool is_planar(const MarkerMotion& m) {
 /// Returns the markers without spikes and short gaps, low-pass filtered. Long gaps remain. @param report receives one sentence a change
 MarkerMotion clean(const MarkerMotion& motion, const CaptureOptions& options, std::vector<std::string>& report) {
   MarkerMotion out = motion;
-  if (const int spikes = remove_spikes(out); spikes > 0) report.push_back(std::to_string(spikes) + " spikes were removed.");
+  if (const int spikes = remove_spikes(out); spikes > 0)
+    report.push_back(spikes == 1 ? "1 spike was removed." : std::to_string(spikes) + " spikes were removed.");
   if (const int filled = fill_short_gaps(out, options.longest_gap); filled > 0)
     report.push_back(std::to_string(filled) + " positions in short gaps were filled by splines.");
   const double cutoff = options.cutoff == 0 ? choose_cutoff(out, options.cancelled) : options.cutoff;

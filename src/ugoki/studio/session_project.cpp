@@ -53,9 +53,10 @@ std::vector<std::string> read_list(const std::string& path) {
 }
 
 Result<content::ContentText> content_of(const Json& from) {
-  if (from == "empty") return content::ContentText{};
-  if (from == "sample") {
+  if (from == "empty" || from == "sample") {
     samples::Sample sample = samples::make_sample();
+    // An empty project has the bodies and motions of the sample, because the library of a new user is empty.
+    if (from == "empty") return content::ContentText{{}, std::move(sample.resources)};
     Result<content::Scenario> document = content::read_scenario(sample.document, "sample");
     if (!document) return fail(std::move(document.error()));
     return content::ContentText{std::move(*document), std::move(sample.resources)};

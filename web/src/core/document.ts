@@ -400,6 +400,10 @@ export function with_room(doc: ScenarioDocument, command: Command, end: number, 
   return { type: 'group', label, commands: [{ type: 'scenario.set', duration: Math.round(end * 1e6) / 1e6 }, command] };
 }
 
+/** Time of the frame that is `frames` after (negative: before) the frame at `time`, within the scenario, s. */
+export const frame_after = (doc: ScenarioDocument, time: number, frames: number): number =>
+  Math.min(Math.max(0, (Math.round(time * doc.frame_rate) + frames) / doc.frame_rate), doc.duration);
+
 const clearance = 0.9; // m, between the places of two characters: two humans with outstretched elbows do not touch
 
 /** The place nearest to `wanted`, in steps of 1 m to the left or right, at which no other character stands. */

@@ -11,7 +11,7 @@ export interface GalleryEntry {
 }
 
 export const gallery: readonly GalleryEntry[] = [
-  { id: 'empty', title: 'Empty', teaches: 'A floor and nothing else: drag characters and motions from the library.', from: 'empty' },
+  { id: 'empty', title: 'Empty', teaches: 'An empty floor: drag characters and motions from the library onto it.', from: 'empty' },
   { id: 'park', title: 'Walk in the park', teaches: 'A human walks, a dog trots, and a ball hits the human: clips, a throw, and balance.', from: 'sample' },
   { id: 'push-test', title: 'Walk with pushes', teaches: 'Three pushes of growing force, with markers: how much does a walk withstand?', from: async () => (await import('../../../examples/content/push-test.json')).default },
   { id: 'bar', title: 'Two hands on a bar', teaches: 'Grips make and open closed loops while the content runs; the legs pump a swing.', from: async () => (await import('../../../examples/content/bar.json')).default },

@@ -7,7 +7,7 @@ import { condition_alone, type Breakpoint } from './circuit/breakpoints';
 import { LiveValues } from './circuit/live';
 import { PlayControls, read_devices } from './play_controls';
 import { Client, LatestOnly, type SocketLike } from './client';
-import { apply_command, type Command, type ScenarioDocument } from './document';
+import { apply_command, frame_after, type Command, type ScenarioDocument } from './document';
 import { FrameRing } from './frames';
 import {
   RequestError,
@@ -23,6 +23,7 @@ import {
   type ServiceEvent,
   type Vec3,
 } from './protocol';
+import { Watches } from './watches';
 import { initial_state, read_choices, valid_selection, type Selection, type StudioState, type Toast } from './state';
 
 const log_capacity = 500; // maximum number of lines in the log; older lines are dropped
@@ -39,12 +40,7 @@ export class Session {
   readonly live = new LiveValues();
   /** Sends keyboard, mouse and gamepad input to the content. */
   readonly controls = new PlayControls((input) => this.client.post({ op: 'input', ...input }, (error) => this.fail(error)));
-  /** The last `watch` request, as JSON; empty if it must be sent again. */
-  private watched = '';
-  /** Outputs whose values the rules panel shows. */
-  private watched_rules: string[] = [];
-  private watched_plots: string[] = [];
-  private watched_circuit: { pins: string[]; probes: string[]; timing: boolean } = { pins: [], probes: [], timing: false };
+  private readonly watches = new Watches();
   private readonly client: Client;
   private readonly seeks: LatestOnly<number>;
   private readonly drags: LatestOnly<Vec3>;
@@ -241,6 +237,9 @@ export class Session {
 
   /** Moves one display frame forwards or backwards. */
   step(frames: 1 | -1): void {
+    const { transport, document } = this.state;
+    // an edit at the playhead may follow before the service answers
+    if (transport.mode === 'edit' && !transport.playing && document) this.set({ transport: { ...transport, time: frame_after(document, transport.time, frames) } });
     this.send({ op: 'step', frames });
   }
 
@@ -301,30 +300,26 @@ export class Session {
    * @param pins outputs with their paths ("arm/elbow.out")  @param probes outputs recorded as curves  @param timing also times of LSIs
    */
   watch(pins: string[], probes: string[], timing: boolean): void {
-    this.watched_circuit = { pins, probes, timing };
+    this.watches.circuit = { pins, probes, timing };
     this.send_watch();
   }
 
   /** Selects outputs whose live values the rules panel shows, in addition to those of watch(). */
   watch_rules(pins: string[]): void {
-    this.watched_rules = pins;
+    this.watches.rules = pins;
     this.send_watch();
   }
 
   /** Selects outputs whose curves the plots panel shows, in addition to those of watch(). */
   watch_plots(probes: string[]): void {
-    this.watched_plots = probes;
+    this.watches.plots = probes;
     this.send_watch();
   }
 
-  /** Sends the `watch` request for the circuit's live data and the viewport's closest pairs, if the request changed. */
   private send_watch(): void {
-    const { closest } = this.state.view;
-    const request = { ...this.watched_circuit, pins: [...new Set([...this.watched_circuit.pins, ...this.watched_rules])], probes: [...new Set([...this.watched_circuit.probes, ...this.watched_plots])], closest };
-    const wanted = JSON.stringify(request);
-    if (wanted === this.watched || this.state.connection !== 'open') return;
-    this.watched = wanted;
-    this.client.request({ op: 'watch', ...request }).catch(() => (this.watched = ''));
+    if (this.state.connection !== 'open') return;
+    const request = this.watches.change(this.state.view.closest);
+    if (request) this.client.request(request).catch(() => this.watches.forget());
   }
 
   // ---- breakpoints: the service owns the list; each change sends the whole list ----
@@ -481,7 +476,7 @@ export class Session {
   }
 
   private connected(hello: HelloReply): void {
-    this.watched = '';
+    this.watches.forget();
     this.controls.forget();
     this.controls.set_devices(read_devices(hello.devices));
     if (hello.lsis) this.take_lsis(hello.lsis);

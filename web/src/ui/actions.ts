@@ -6,9 +6,10 @@ import { all_items, duplicate_items, remove_items, selection_of } from '../core/
 import { next_span, type BadSpan } from '../core/measures';
 import type { AppCommand } from '../core/commands';
 import { character_for_rule, new_condition, type Rule } from '../core/rules';
-import { draft_key, selected_character } from '../core/state';
+import { draft_key, selected_character, type Selection } from '../core/state';
 import { reads_anything } from '../core/play_controls';
 import type { StudioState, ViewOptions } from '../core/state';
+import { EditTurns } from '../core/turns';
 import { RequestError, type ServiceError } from '../core/protocol';
 import { lowest_point } from '../view/character_view';
 import { new_pose_name, store_pose } from '../core/posing/pose_library';
@@ -17,6 +18,7 @@ import { add_camera, cut_here, key_view, place_camera, toggle_through } from './
 import { access, circuit, desk, page, parts, poser, registry, session } from './app';
 
 const state = (): StudioState => session.state;
+const turns = new EditTurns(session.store);
 const has_document = (): boolean => state().document !== null;
 const has_canvas = (): boolean => parts.circuit !== null;
 let copied: { character: string; clip: Clip } | null = null;
@@ -62,16 +64,16 @@ function remove_selection(): void {
   else if (selection.kind === 'circuit') circuit.remove();
 }
 
-function add_copy(character: string, clip: Clip, start: number): void {
+function add_copy(character: string, clip: Clip, start: number): Promise<boolean> | undefined {
   const { id: _id, ...fields } = clip;
-  insert_clip(character, { ...fields, start, id: session.fresh_id('k') });
+  return insert_clip(character, { ...fields, start, id: session.fresh_id('k') });
 }
 
 /** Adds a clip and selects it. A clip that ends after the scenario makes it longer. An overlap with another clip becomes their cross-fade. */
-function insert_clip(character: string, clip: ClipFields & { id: string; motion: string; start: number }): void {
+function insert_clip(character: string, clip: ClipFields & { id: string; motion: string; start: number }): Promise<boolean> | undefined {
   const { document } = state();
   const track = document && find_character(document, character)?.track;
-  if (!document || !track) return;
+  if (!document || !track) return undefined;
   const length = clip.length ?? 0;
   const added = { offset: 0, speed: 1, blend: 0.3, loop: false, ...clip, length };
   const blends = length > 0 ? fit_blends(character, track, [...track, added]) : [];
@@ -80,57 +82,65 @@ function insert_clip(character: string, clip: ClipFields & { id: string; motion:
   const { mechanism, place } = find_character(document, character)!;
   if (track.length === 0 && place.z !== 0 && Math.abs(place.z - standing_height(mechanism)) < 2e-3) commands.unshift({ type: 'character.set', id: character, place: { z: ground_height() } });
   const command: Command = commands.length > 1 ? { type: 'group', label: 'Add clip', commands } : commands[0]!;
-  void session.edit(with_room(document, command, clip.start + length, 'Add clip')).then((ok) => {
-    if (ok) session.select({ kind: 'clip', character, clip: clip.id });
-  });
+  return edit_and_select(with_room(document, command, clip.start + length, 'Add clip'), { kind: 'clip', character, clip: clip.id });
+}
+
+/** Sends a command and selects `result` if the service accepted it. */
+async function edit_and_select(command: Command, result: Selection): Promise<boolean> {
+  const accepted = await session.edit(command);
+  if (accepted) session.select(result);
+  return accepted;
 }
 
 function duplicate(): void {
+  if (state().selection.kind === 'circuit') return circuit.duplicate();
+  void turns.run(duplicate_selection);
+}
+
+function duplicate_selection(): Promise<boolean> | undefined {
   const { selection, document } = state();
   const chosen = selected_clip();
   if (chosen) return add_copy(chosen.character, chosen.clip, Math.round((chosen.clip.start + chosen.clip.length) * 1e6) / 1e6);
-  if (selection.kind === 'circuit') return circuit.duplicate();
-  if (!document) return;
+  if (!document) return undefined;
   if (selection.kind === 'items') {
     const made = duplicate_items(document, selection.items, (prefix) => session.fresh_id(prefix));
-    if (made) void session.edit(made.command).then((ok) => ok && session.select(selection_of(made.copies)));
+    return made ? edit_and_select(made.command, selection_of(made.copies)) : undefined;
   } else if (selection.kind === 'event') {
     const event = find_event(document, selection.event);
-    if (!event) return;
+    if (!event) return undefined;
     const id = session.fresh_id('e');
-    void session.edit({ type: 'event.add', event: { ...event, id, time: event.time + 0.5 } }).then((ok) => {
-      if (ok) session.select({ kind: 'event', event: id });
-    });
+    return edit_and_select({ type: 'event.add', event: { ...event, id, time: event.time + 0.5 } }, { kind: 'event', event: id });
   } else if (selection.kind === 'character') {
     const character = find_character(document, selection.character);
-    if (!character) return;
+    if (!character) return undefined;
     const id = session.fresh_id('c');
     const { track, ...fields } = character;
     const place = { ...character.place, ...free_place(document, { x: character.place.x, y: character.place.y + 1 }) };
     const clips = track.map((clip): Command => ({ ...clip, type: 'clip.add', character: id, id: session.fresh_id('k') }));
     const name = free_name(document, character.name);
-    void session.edit({ type: 'group', label: `Duplicate ${character.name}`, commands: [{ ...fields, type: 'character.add', id, name, place }, ...clips] }).then((ok) => {
-      if (ok) session.select({ kind: 'character', character: id });
-    });
+    const commands: Command[] = [{ ...fields, type: 'character.add', id, name, place }, ...clips];
+    return edit_and_select({ type: 'group', label: `Duplicate ${character.name}`, commands }, { kind: 'character', character: id });
   }
+  return undefined;
 }
 
 /** Appends a motion to a character's track, as one command. */
 export function append_motion(character: string, motion: string): void {
-  const { document } = state();
-  const target = document && find_character(document, character);
-  if (!target) return;
-  add_motion(character, motion, track_end(target));
+  void turns.run(() => {
+    const { document } = state();
+    const target = document && find_character(document, character);
+    return target ? add_motion(character, motion, track_end(target)) : undefined;
+  });
 }
 
-export function add_motion(character: string, motion: string, start: number): void {
+export function add_motion(character: string, motion: string, start: number): Promise<boolean> | undefined {
   const entry = session.entry(motion);
   const target = state().document && find_character(state().document!, character);
   if (entry?.mechanism && target && entry.mechanism !== target.mechanism) {
     session.fail(new Error(`“${entry.name}” is a motion for another mechanism than that of ${target.name}. Choose a character with the motion's mechanism.`));
-    return;
+    return undefined;
   }
-  insert_clip(character, { motion, start, id: session.fresh_id('k'), ...(entry?.duration ? { length: entry.duration } : {}) });
+  return insert_clip(character, { motion, start, id: session.fresh_id('k'), ...(entry?.duration ? { length: entry.duration } : {}) });
 }
 
 /** The character that a new gait moves: the selected one, or the only one. */
@@ -190,20 +200,20 @@ function standing_height(mechanism: string): number {
 /** Adds a character that stands on the floor at `place` (m), or beside the others if there is no room. @param motion motion of its first clip */
 export async function add_character(mechanism: string, place?: { x: number; y: number }, motion?: string): Promise<void> {
   if (!motion) await session.need_mechanism(mechanism);
-  const entry = session.entry(mechanism);
-  const id = session.fresh_id('c');
-  const { document } = state();
-  const name = document ? free_name(document, entry?.name ?? 'Character') : (entry?.name ?? 'Character');
-  const wanted = place ?? { x: 0, y: 0 };
-  const position = document ? free_place(document, wanted) : wanted;
-  const round = (v: number): number => Math.round(v * 100) / 100;
-  const add: Command = { type: 'character.add', mechanism, id, name, place: { x: round(position.x), y: round(position.y), ...(motion ? {} : { z: standing_height(mechanism) }) } };
-  const length = motion ? session.entry(motion)?.duration : undefined;
-  const command: Command = motion
-    ? { type: 'group', label: `Add ${name}`, commands: [add, { type: 'clip.add', character: id, motion, start: 0, ...(length ? { length } : {}) }] }
-    : add;
-  void session.edit(command).then((ok) => {
-    if (ok) session.select({ kind: 'character', character: id });
+  await turns.run(() => {
+    const entry = session.entry(mechanism);
+    const id = session.fresh_id('c');
+    const { document } = state();
+    const name = document ? free_name(document, entry?.name ?? 'Character') : (entry?.name ?? 'Character');
+    const wanted = place ?? { x: 0, y: 0 };
+    const position = document ? free_place(document, wanted) : wanted;
+    const round = (v: number): number => Math.round(v * 100) / 100;
+    const add: Command = { type: 'character.add', mechanism, id, name, place: { x: round(position.x), y: round(position.y), ...(motion ? {} : { z: standing_height(mechanism) }) } };
+    const length = motion ? session.entry(motion)?.duration : undefined;
+    const command: Command = motion
+      ? { type: 'group', label: `Add ${name}`, commands: [add, { type: 'clip.add', character: id, motion, start: 0, ...(length ? { length } : {}) }] }
+      : add;
+    return edit_and_select(command, { kind: 'character', character: id });
   });
 }
 
@@ -571,6 +581,7 @@ const commands: AppCommand[] = [
   } },
   { id: 'page.large', label: 'Maximise or restore the panel', group: 'Page', keys: ['Ctrl+Space'], run: () => parts.toggle_maximized() },
   { id: 'page.layout', label: 'Reset the layout', group: 'Page', run: () => parts.reset_layout() },
+  { id: 'library.search', label: 'Search the library', group: 'Page', keys: ['/'], run: () => parts.search_library() },
   ...(['library', 'poses', 'inspector', 'look', 'scenario', 'curves', 'rules', 'circuit', 'naturalness', 'plots', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
   {
     id: 'page.escape', label: 'Close, release or deselect', group: 'Page', keys: ['Escape'],

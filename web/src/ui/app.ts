@@ -137,7 +137,7 @@ export interface CircuitCanvas {
 }
 
 /** Mounted views and functions of panels; null or without effect while the panel is not mounted. */
-export const parts: { viewport: Viewport | null; pointer: PointerControl | null; posing: PoseView | null; fit_timeline: () => void; reset_layout: () => void; toggle_maximized: () => void; show_panel: (id: string) => void; choose_files: () => void; import_view: ImportView | null; circuit: CircuitCanvas | null; drawn_keys: () => { x: number; y: number }[] } = {
+export const parts: { viewport: Viewport | null; pointer: PointerControl | null; posing: PoseView | null; fit_timeline: () => void; reset_layout: () => void; toggle_maximized: () => void; show_panel: (id: string) => void; search_library: () => void; choose_files: () => void; import_view: ImportView | null; circuit: CircuitCanvas | null; drawn_keys: () => { x: number; y: number }[] } = {
   viewport: null,
   pointer: null,
   posing: null,
@@ -145,6 +145,7 @@ export const parts: { viewport: Viewport | null; pointer: PointerControl | null;
   reset_layout: () => undefined,
   toggle_maximized: () => undefined,
   show_panel: () => undefined,
+  search_library: () => undefined,
   choose_files: () => undefined,
   import_view: null,
   circuit: null,

@@ -1,5 +1,5 @@
 /** The menu of the project, the dialog that opens a project, and the gallery for new projects. */
-import { useState, type ReactElement } from 'react';
+import { useState, type KeyboardEvent, type ReactElement } from 'react';
 import { gallery, type GalleryEntry } from '../core/gallery';
 import { show_key } from '../core/keymap';
 import { run } from './actions';
@@ -114,6 +114,19 @@ export function NewDialog(): ReactElement {
     if (await session.create(name.trim() || (entry.id === 'empty' ? 'untitled' : entry.id), from)) close();
     set_busy(false);
   };
+  /** Left and right choose the previous or the next content, up and down the one in the row above or below; Home and End the first and the last. */
+  const choose_by_arrow = (event: KeyboardEvent<HTMLDivElement>): void => {
+    const cards = [...event.currentTarget.querySelectorAll<HTMLElement>('.gallery-card')];
+    const columns = Math.max(1, cards.filter((c) => c.offsetTop === cards[0]?.offsetTop).length);
+    const now = gallery.indexOf(chosen);
+    const to = { ArrowRight: now + 1, ArrowLeft: now - 1, ArrowDown: now + columns, ArrowUp: now - columns, Home: 0, End: gallery.length - 1 }[event.key];
+    if (to === undefined) return;
+    event.preventDefault();
+    const entry = gallery[to];
+    if (!entry) return;
+    set_chosen(entry);
+    cards[to]?.focus();
+  };
   return (
     <Backdrop label="New project">
       <form
@@ -124,13 +137,14 @@ export function NewDialog(): ReactElement {
         }}
       >
         <h2>New project</h2>
-        <div className="gallery-cards" role="radiogroup" aria-label="Begin with">
+        <div className="gallery-cards" role="radiogroup" aria-label="Begin with" onKeyDown={choose_by_arrow}>
           {gallery.map((entry) => (
             <button
               key={entry.id}
               type="button"
               role="radio"
               aria-checked={entry === chosen}
+              tabIndex={entry === chosen ? 0 : -1}
               className="gallery-card"
               data-entry={entry.id}
               onClick={() => set_chosen(entry)}

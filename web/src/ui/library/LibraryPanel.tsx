@@ -29,6 +29,11 @@ export function LibraryPanel(): ReactElement {
   const search = useRef<HTMLInputElement>(null);
   useEffect(() => {
     parts.choose_files = () => files.current?.click();
+    parts.search_library = () => {
+      parts.show_panel('library');
+      // the browser gives the focus to an element of a hidden panel only after the panel is shown
+      requestAnimationFrame(() => search.current?.focus());
+    };
     void library.load();
   }, []);
 
@@ -59,6 +64,7 @@ export function LibraryPanel(): ReactElement {
             ref={search}
             type="search"
             placeholder={trash ? 'Search the trash' : 'Search the library'}
+            title="Search the library  (/)"
             aria-label="Search the library"
             aria-controls="library-list"
             value={query}
