@@ -269,7 +269,7 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   out.items = {std::move(mechanism_item)};
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (auto error = stopped(options, file_name)) return fail(std::move(*error));
-    if (animal)
+    if (animal && options.travel)
       if (std::string sentence = lower_to_floor(motions[i], *body); !sentence.empty()) {
         out.report.push_back(sentence);
         out.conversion.add_remarks({sentence});
