@@ -384,6 +384,34 @@ TEST(Support, AMissingStepIsReportedAndAJumpIsNot) {
   EXPECT_EQ(describe_missing_support(*body->mechanism, jump, body->height), "");
 }
 
+TEST(Support, HoveringHeightsCloseTheGapToTheFloorButNotFlights) {
+  const MeasuredMotion walk = samples::make_human_walk();
+  const auto body = body::make_body(walk);
+  ASSERT_TRUE(body) << body.error().text();
+  const Motion level = body::to_motion(*body, walk);
+  EXPECT_TRUE(hovering_heights(*body->mechanism, level, body->height).empty());
+  // The root bobs by up to 0.15 m once in 1.4 s, with a downward acceleration of at most 1.5 m/s^2: slower than a fall.
+  Motion bobbing = level;
+  const auto lift = [&](int f) {
+    const double s = sin_cos(pi * f / bobbing.rate / 1.4).sin;
+    return 0.15 * s * s;
+  };
+  for (int f = 0; f < bobbing.frames; ++f) bobbing.frame(f)[2] += lift(f);
+  const std::vector<double> heights = hovering_heights(*body->mechanism, bobbing, body->height);
+  ASSERT_EQ(heights.size(), static_cast<std::size_t>(bobbing.frames));
+  for (int f = 0; f < bobbing.frames; ++f) EXPECT_NEAR(heights[static_cast<std::size_t>(f)], lift(f), 0.02) << f;
+  // Something else carries a character that stays in the air.
+  Motion high = level;
+  for (int f = high.frames / 4; f < high.frames; ++f) high.frame(f)[2] += 1.0;
+  EXPECT_TRUE(hovering_heights(*body->mechanism, high, body->height).empty());
+  Motion jump = level;
+  for (int f = 0; f < jump.frames; ++f) {
+    const double t = f / jump.rate - 0.2, flight = 0.6;
+    if (t > 0 && t < flight) jump.frame(f)[2] += 0.5 * 9.81 * t * (flight - t);
+  }
+  for (const double h : hovering_heights(*body->mechanism, jump, body->height)) EXPECT_LT(h, 0.05);
+}
+
 TEST(Support, ASittingCharacterIsReportedAndAStandingOneIsNot) {
   MeasuredMotion stand = samples::make_human_stand();
   auto body = body::make_body(stand);

@@ -152,6 +152,20 @@ Result<void> choose(std::vector<MeasuredMotion>& motions, const IntakeOptions& o
   return {};
 }
 
+/// Lowers the root of an animal that hovers. @return a sentence about it; empty if it does not hover
+std::string lower_to_floor(MeasuredMotion& measured, const body::Body& body) {
+  const Motion motion = body::to_motion(body, measured);
+  if (motion.frames != measured.frames) return {};
+  const std::vector<double> heights = hovering_heights(*body.mechanism, motion, body.height);
+  if (heights.empty()) return {};
+  const std::size_t n = measured.skeleton.joints.size();
+  for (std::size_t f = 0; f < heights.size(); ++f)
+    for (std::size_t j = 0; j < n; ++j)
+      if (measured.skeleton.joints[j].parent < 0) measured.translations[f * n + j].z -= heights[f];
+  return measured.name + ": the animal was lowered by up to " + to_fixed(100 * *std::ranges::max_element(heights), 1) +
+         " cm where it hovers above the floor without falling.";
+}
+
 /// Imports skeleton motions. @param motions at least one, all on the same skeleton  @param mesh_ends see arrange()
 Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadNotes notes, std::string_view file_name,
                              const IntakeOptions& options, bool mesh_ends = false) {
@@ -255,6 +269,11 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   out.items = {std::move(mechanism_item)};
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (auto error = stopped(options, file_name)) return fail(std::move(*error));
+    if (animal && options.travel)
+      if (std::string sentence = lower_to_floor(motions[i], *body); !sentence.empty()) {
+        out.report.push_back(sentence);
+        out.conversion.add_remarks({sentence});
+      }
     Motion motion;
     auto items = motion_items(motions[i], *body, mechanism_id, out.source, options, motion);
     if (!items) return fail(in_file(std::move(items.error()), file_name));

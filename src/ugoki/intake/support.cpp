@@ -121,4 +121,63 @@ std::string describe_missing_support(const Mechanism& mechanism, const Motion& m
          "file does not contain (stairs, a box, a chair, a bar), or its height drifts. Under dynamics it loses its support there.";
 }
 
+std::vector<double> hovering_heights(const Mechanism& mechanism, const Motion& motion, double height) {
+  // As in describe_missing_support(): a gap that soft paws do not explain, and a third of gravity.
+  constexpr double gap = 0.03, falling = -0.35 * 9.81, window = 0.08, highest = 0.5, longest = 1.0, smoothing = 0.05;
+  const int n = motion.frames, half = std::max(1, static_cast<int>(std::lround(window * motion.rate)));
+  if (n < 2 * half + 2) return {};
+  std::vector<std::vector<SupportPoint>> points;
+  for (const Link& link : mechanism.links()) points.push_back(support_points(link));
+  std::vector<Pose> X(static_cast<std::size_t>(mechanism.link_count()));
+  std::vector<double> low, root;
+  for (int f = 0; f < n; ++f) {
+    calc_poses(mechanism, {motion.frame(f), static_cast<std::size_t>(motion.nq)}, X);
+    double lowest = 1e300;
+    for (std::size_t i = 0; i < X.size(); ++i)
+      for (const SupportPoint& s : points[i]) lowest = std::min(lowest, (X[i] * s.p).z - s.radius);
+    low.push_back(lowest);
+    root.push_back(X[0].p.z);
+  }
+  const auto at = [](const std::vector<double>& v, int i) { return v[static_cast<std::size_t>(i)]; };
+  // The second difference over `half` frames does not see the first and last frames of a flight phase.
+  std::vector<char> flight(static_cast<std::size_t>(n), 0);
+  for (int m = half; m < n - half; ++m) {
+    const double h = half / motion.rate;
+    if ((at(root, m + half) - 2 * at(root, m) + at(root, m - half)) / (h * h) > falling) continue;
+    for (int f = m - half; f <= m + half; ++f) flight[static_cast<std::size_t>(f)] = 1;
+  }
+  std::vector<double> lift(static_cast<std::size_t>(n), -1);  // m, of frames that are not in flight
+  int run = 0;
+  bool hovers = false;
+  for (int f = 0; f < n; ++f) {
+    const bool high = at(low, f) > gap * height;
+    if (high && flight[static_cast<std::size_t>(f)] != 0) continue;
+    run = high ? run + 1 : 0;
+    hovers = hovers || high;
+    if (high && (at(low, f) > highest * height || run > longest * motion.rate)) return {};
+    lift[static_cast<std::size_t>(f)] = std::max(0.0, at(low, f));
+  }
+  if (!hovers) return {};
+  // Flight phases: linear between the frames before and after.
+  for (int f = 0; f < n; ++f) {
+    if (at(lift, f) >= 0) continue;
+    int end = f;
+    while (end < n && at(lift, end) < 0) ++end;
+    const double before = f > 0 ? at(lift, f - 1) : end < n ? at(lift, end) : 0, after = end < n ? at(lift, end) : before;
+    for (int k = f; k < end; ++k) lift[static_cast<std::size_t>(k)] = before + (after - before) * (k - f + 1) / (end - f + 1);
+  }
+  const int reach = std::max(1, static_cast<int>(std::lround(smoothing * motion.rate)));
+  std::vector<double> out(lift.size());
+  for (int f = 0; f < n; ++f) {
+    double sum = 0, weight = 0;
+    for (int k = std::max(0, f - reach); k <= std::min(n - 1, f + reach); ++k) {
+      const double w = reach + 1 - std::abs(k - f);
+      sum += w * at(lift, k);
+      weight += w;
+    }
+    out[static_cast<std::size_t>(f)] = sum / weight;
+  }
+  return out;
+}
+
 }  // namespace ugoki::intake
