@@ -10,6 +10,8 @@
 #include "ugoki/correction/band.h"
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/motion_edit/foot_contacts.h"
+#include "ugoki/motion_edit/foot_lock.h"
+#include "ugoki/samples/samples.h"
 
 namespace ugoki::correction {
 namespace {
@@ -87,6 +89,65 @@ TEST(Correction, FlightsAreParabolasWithConstantMomentum) {
   Vec3 mean;
   for (std::size_t i = from; i <= to; ++i) mean += spin(i) / static_cast<double>(to - from + 1);
   for (std::size_t i = from; i <= to; ++i) EXPECT_LT(norm(spin(i) - mean) / m.mass(), 0.01) << "m^2/s, at " << i;
+}
+
+/// A jump of an animator: smooth keys of the height of a standing person, with gravity and forces as they happen to be. Limbs follow.
+Motion keyed_jump(const Character& c, double take_off, double landing, double apex) {
+  const std::vector<std::pair<double, double>> keys = {
+      // s, m above the standing posture
+      {0, -0.03},   {0.3, -0.03},           {take_off - 0.35, -0.22}, {take_off, 0},         {0.5 * (take_off + landing), apex},
+      {landing, 0}, {landing + 0.35, -0.2}, {landing + 0.9, -0.03},   {landing + 1.5, -0.03}};
+  Motion stand = c.motion;
+  stand.contacts.clear();
+  stand.cyclic = false;
+  stand.rate = 60;
+  stand.frames = static_cast<int>(keys.back().first * stand.rate);
+  stand.q.clear();
+  for (int f = 0; f < stand.frames; ++f) stand.q.insert(stand.q.end(), c.motion.frame(0), c.motion.frame(0) + c.motion.nq);
+  motion_edit::FootContactOptions near;
+  near.find_ground = true;
+  const motion_edit::FootContacts contacts = motion_edit::find_contacts(c.m(), stand, near);
+  for (int f = 0; f < stand.frames; ++f) stand.frame(f)[2] -= contacts.ground;
+  std::vector<motion_edit::FootPath> paths = motion_edit::foot_paths(c.m(), stand, contacts);
+  const auto slope = [&](std::size_t i) {
+    if (i == 0 || i + 1 == keys.size()) return 0.0;
+    return (keys[i + 1].second - keys[i - 1].second) / (keys[i + 1].first - keys[i - 1].first);
+  };
+  Motion moved = stand;
+  for (int f = 0; f < moved.frames; ++f) {
+    std::size_t i = 0;
+    while (i + 2 < keys.size() && keys[i + 1].first < f / moved.rate) ++i;
+    const double length = keys[i + 1].first - keys[i].first, s = (f / moved.rate - keys[i].first) / length, t = 1 - s;
+    const double height = t * t * (1 + 2 * s) * keys[i].second + s * s * (1 + 2 * t) * keys[i + 1].second +
+                          s * t * length * (t * slope(i) - s * slope(i + 1));
+    moved.frame(f)[2] += height;
+    for (motion_edit::FootPath& path : paths) {
+      path.X_WF[at(f)].p.z += std::max(0.0, height);
+      path.bears[at(f)] = height <= 0;
+    }
+  }
+  Motion out = motion_edit::follow_paths(c.m(), moved, contacts.feet, paths, {});
+  out.contacts.clear();
+  return out;
+}
+
+// Jumps whose keys float, rush, or are low: the body falls freely afterwards, and legs that are already straight do not hold it back.
+TEST(Correction, KeyedJumpsBecomePhysical) {
+  const MeasuredMotion standing = samples::make_human_stand();
+  const body::Body body = body::make_body(standing, {.keep_unmoved = true}).value();
+  const Character c{body.mechanism, body::to_motion(body, standing)};
+  for (const auto& [take_off, landing, apex] : {std::array{0.9, 1.7, 0.25}, std::array{0.9, 1.4, 0.3}, std::array{1.0, 1.35, 0.18}}) {
+    const Motion keyed = keyed_jump(c, take_off, landing, apex);
+    CorrectionReport report;
+    ASSERT_TRUE(correct_motion(c.m(), keyed, {}, &report));
+    EXPECT_EQ(report.flights, 1) << apex;
+    EXPECT_GT(report.before.flight_g, 0.5) << apex;
+    EXPECT_LT(report.after.flight_g, 0.02) << apex;
+    EXPECT_LT(report.after.residual_bw, 0.3 * report.before.residual_bw) << apex;
+    EXPECT_LT(report.after.jerk, 8) << apex;
+    EXPECT_LT(report.after.penetration_mm, 1) << apex;
+    EXPECT_LT(report.change_deg, 6) << apex;
+  }
 }
 
 TEST(Correction, CorrectedMotionIsChangedLittleBySecondCorrection) {

@@ -1,4 +1,4 @@
-// npm run e2e [-- words]: runs the first journey and those whose names contain the words; prints one line for each and the counts.
+// npm run e2e [-- words[|words]]: runs the first journey and those whose names contain the words (one of the groups of words); prints one line for each and the counts.
 // A journey that fails runs a second time in the restored studio, because a busy machine can miss a time limit; its line names the first failure.
 // The viewport is drawn at a low resolution, because Chromium draws with the processor; with UGOKI_PICTURES=1 at full resolution, for people
 // who look at the pictures in out/.
@@ -7,8 +7,8 @@ import { launch } from './browser.mjs';
 import { journeys as all } from './journeys.mjs';
 import { available, program, start_service } from './service.mjs';
 
-const words = process.argv.slice(2).join(' ');
-const journeys = all.filter((journey, i) => i === 0 || journey.name.includes(words));
+const choices = process.argv.slice(2).join(' ').split('|').map((words) => words.trim());
+const journeys = all.filter((journey, i) => i === 0 || choices.some((words) => journey.name.includes(words)));
 
 let passed = 0;
 let failed = 0;
@@ -105,7 +105,7 @@ async function main() {
       const began = Date.now();
       try {
         const first = await attempt(journey, { page, service, seen, memory }, before);
-        console.log(`ok ${journey.name} (${((Date.now() - began) / 1000).toFixed(1)} s)${first ? ` at the second attempt; the first: ${String(first.message ?? first).split('\n')[0]}` : ''}`);
+        console.log(`ok ${journey.name} (${((Date.now() - began) / 1000).toFixed(1)} s)${first ? ` at the second attempt; the first: ${String(first.message ?? first).split('\n').filter((line, i, lines) => i === 0 || i === lines.length - 1).join(' ')}` : ''}`);
         passed++;
       } catch (error) {
         console.log(`not ok ${journey.name}\n  ${indented(error)}`);

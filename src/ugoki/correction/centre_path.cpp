@@ -14,6 +14,7 @@ constexpr double pull_weight = 0.2;     // of the displacement itself
 constexpr double smooth_weight = 0.01;  // of its acceleration
 constexpr double inside = 0.85;         // the centre of pressure is kept in the soles shrunk by this factor
 constexpr double min_load = 0.15;       // fraction of the weight with which the ground must push in contact
+constexpr double reach_weight = 3;      // of a height in contact that the legs do not reach
 constexpr int rounds = 60;
 constexpr double min_warp = 0.15;         // relative error of gravity above which a flight is retimed; captured flights have up to 10 %
 constexpr double min_warp_flight = 0.15;  // s: the acceleration of shorter flights is not accurate
@@ -107,7 +108,7 @@ std::vector<Frame> make_frames(const Observation& o, double gravity) {
 
 }  // namespace
 
-std::vector<Vec3> find_centre_displacement(const Observation& o, double gravity) {
+std::vector<Vec3> find_centre_displacement(const Observation& o, double gravity, const std::vector<double>& headroom) {
   const std::size_t n = o.centre.size();
   const std::vector<Frame> frames = make_frames(o, gravity);
   const double r2 = o.rate * o.rate, unit = time_unit * time_unit;
@@ -125,6 +126,7 @@ std::vector<Vec3> find_centre_displacement(const Observation& o, double gravity)
         continue;
       }
       for (BandLeastSquares& t : terms) t.add(f - 1, second, 0, smooth_weight);
+      if (u[f].z > headroom[f]) terms[2].add(f, headroom[f], reach_weight);
       const double load = o.acceleration[f].z + bend.z + gravity;
       if (load < min_load * gravity) terms[2].add(f - 1, second, unit * ((min_load - 1) * gravity - o.acceleration[f].z), 1);
       if (frame.sole.empty()) continue;

@@ -199,7 +199,28 @@ class Correction {
     const std::vector<std::vector<double>> follows = swing_shares(contacts, motion.rate);
     Motion out = motion_edit::follow_paths(m_, motion, contacts.feet, paths, lock);
     const Observation first = observe(m_, out, contacts);
-    const std::vector<Vec3> displacement = find_centre_displacement(first, o_.gravity);
+    // Around flights, the legs bound the height from which the body takes off and to which it lands.
+    constexpr double around_flight = 0.4;      // s
+    constexpr double lift_ease = 0.01;         // m: lifts of feet begin smoothly
+    constexpr double take_off_stretch = 0.97;  // of the leg's length: a straight knee would move too fast
+    std::vector<double> room(at(motion.frames), 1e9);
+    std::vector<std::uint8_t> flies(at(motion.frames), 0);
+    std::vector<Pose> X(at(m_.link_count()));
+    const auto near_flight = [&](int f) {
+      return std::ranges::any_of(first.flights, [&](const Flight& flight) {
+        return f >= flight.first - around_flight * motion.rate && f <= flight.last + around_flight * motion.rate;
+      });
+    };
+    for (const Flight& flight : first.flights) std::fill(flies.begin() + flight.first, flies.begin() + flight.last + 1, 1);
+    for (int f = 0; f < motion.frames; ++f) {
+      if (!near_flight(f)) continue;
+      calc_poses(m_, {out.frame(f), at(out.nq)}, X);
+      for (std::size_t k = 0; k < paths.size(); ++k)
+        if (paths[k].bears[at(f)])
+          room[at(f)] = std::min(
+              room[at(f)], motion_edit::headroom(contacts.feet[k], paths[k].X_WF[at(f)].p, X, take_off_stretch * contacts.feet[k].length));
+    }
+    const std::vector<Vec3> displacement = find_centre_displacement(first, o_.gravity, room);
     std::vector<Vec3> shift = displacement;
     for (int round = 0; round < rounds; ++round) {
       if (!go_on(0.3 + 0.6 * round / rounds)) return cancelled();
@@ -207,10 +228,17 @@ class Correction {
       std::vector<FootPath> goals = paths;
       for (int f = 0; f < motion.frames; ++f) {
         displace(m_, {Mat3::identity(), shift[at(f)]}, moved.frame(f));
-        for (std::size_t k = 0; k < goals.size(); ++k) goals[k].X_WF[at(f)].p += shift[at(f)] * follows[k][at(f)];
+        calc_poses(m_, {moved.frame(f), at(moved.nq)}, X);
+        for (std::size_t k = 0; k < goals.size(); ++k) {
+          Vec3& foot = goals[k].X_WF[at(f)].p;
+          foot += shift[at(f)] * follows[k][at(f)];
+          // in a flight, a foot is lifted before its leg would hold the body back
+          if (!flies[at(f)]) continue;
+          const double lack = -motion_edit::headroom(contacts.feet[k], foot, X, lock.stretch * contacts.feet[k].length);
+          foot.z += 0.5 * (lack + std::sqrt(lack * lack + lift_ease * lift_ease));
+        }
       }
       out = motion_edit::follow_paths(m_, moved, contacts.feet, goals, lock);
-      std::vector<Pose> X(at(m_.link_count()));
       for (int f = 0; f < motion.frames; ++f) {
         calc_poses(m_, {out.frame(f), at(out.nq)}, X);
         shift[at(f)] += first.centre[at(f)] + displacement[at(f)] - centre_of_mass(m_, X);

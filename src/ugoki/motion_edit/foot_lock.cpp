@@ -19,12 +19,9 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 /// Distance [m] by which the root must be lowered so that the limb of this foot is not extended beyond its maximum.
 double drop_for(const FootLimb& foot, const Vec3& goal, std::span<const Pose> X, double stretch) {
   if (!(foot.length > 0)) return 0;
-  const Vec3 hip = X[at(foot.chain.front())].p;
-  const Vec3 to_goal = goal - hip, to_foot = X[at(foot.link)].p - hip;
-  const double limit = std::max(stretch * foot.length, std::min(norm(to_foot), foot.length));
-  if (to_goal.z >= 0 || dot(to_goal, to_goal) <= limit * limit) return 0;
-  const double level = to_goal.x * to_goal.x + to_goal.y * to_goal.y, room = limit * limit - level;
-  return std::min(-to_goal.z - (room > 0 ? std::sqrt(room) : 0.0), max_drop * foot.length);
+  const double extension = norm(X[at(foot.link)].p - X[at(foot.chain.front())].p);
+  const double limit = std::max(stretch * foot.length, std::min(extension, foot.length));
+  return std::clamp(-headroom(foot, goal, X, limit), 0.0, max_drop * foot.length);
 }
 
 /// The single hinge between a limb's base and its end (the knee); its angle determines the distance between base and end, sqrt(a + b
@@ -130,6 +127,14 @@ FootContacts repeated_three_times(const FootContacts& contacts) {
 }
 
 }  // namespace
+
+double headroom(const FootLimb& foot, const Vec3& goal, std::span<const Pose> X, double limit) {
+  if (foot.chain.empty()) return 0;
+  const Vec3 to_goal = goal - X[at(foot.chain.front())].p;
+  if (to_goal.z >= 0) return limit;  // the foot is above the hip
+  const double level = to_goal.x * to_goal.x + to_goal.y * to_goal.y, room = limit * limit - level;
+  return to_goal.z + (room > 0 ? std::sqrt(room) : 0.0);
+}
 
 Motion follow_paths(const Mechanism& m, const Motion& motion, std::span<const FootLimb> feet, const std::vector<FootPath>& paths,
                     const FootLockOptions& o, FootLockReport* report) {

@@ -41,6 +41,10 @@ struct FootLockReport {
 /// @param rate frames per second  @param ground m, height of the ground  @param leg m, mean_leg_length
 void pin_stances(std::vector<FootPath>& paths, double rate, double ground, double leg, const FootLockOptions& options);
 
+/// Distance [m] by which the root can rise before the limb of `foot`, whose end is at `goal` [m, world], is extended to `limit` [m];
+/// negative: the root must be lowered by it. @param X [links] poses in the world
+[[nodiscard]] double headroom(const FootLimb& foot, const Vec3& goal, std::span<const Pose> X, double limit);
+
 /// Moves the limbs so that the feet follow their paths. If a limb is too short, the root is lowered smoothly; this needs a floating root.
 /// Limits of hinges are respected. The result's contact labels come from the paths.
 [[nodiscard]] Motion follow_paths(const Mechanism& mechanism, const Motion& motion, std::span<const FootLimb> feet,
