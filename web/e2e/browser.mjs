@@ -29,6 +29,20 @@ export async function until(page, ask, description, timeout = 60000) {
   }
 }
 export const document_of = (page) => page.evaluate(() => window.ugoki.document());
+export const text_of = async (page) => JSON.stringify(await document_of(page));
+/** Takes the focus from fields, so that keys reach the page. */
+export const blur = (page) => page.evaluate('document.activeElement?.blur?.()');
+
+/** Undoes commands until the text of the document is `wanted`. */
+export async function undo_to(page, wanted) {
+  await blur(page);
+  for (let i = 0; (await text_of(page)) !== wanted; i++) {
+    const { can_undo, revision } = await page.evaluate('window.ugoki.undo()');
+    if (!can_undo || i >= 60) throw new Error('undo does not lead to the former document');
+    await page.keyboard.press('Control+z');
+    await until(page, async () => (await page.evaluate('window.ugoki.undo()')).revision !== revision, 'an undone command', 20000);
+  }
+}
 /** Switches to 'Edit' or 'Simulate'. */
 export async function set_mode(page, name) {
   await page.getByRole('radio', { name }).click();

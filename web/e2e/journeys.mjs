@@ -20,6 +20,7 @@ import { rule_journeys } from './rules.mjs';
 import { session_journeys } from './sessions.mjs';
 import { sweep_journeys } from './sweeps.mjs';
 import { gait_journeys } from './gaits.mjs';
+import { jump_journeys } from './jumps.mjs';
 import { library_journeys } from './library.mjs';
 import { motion_journeys } from './motion.mjs';
 import { mock } from './service.mjs';
@@ -467,6 +468,7 @@ export const journeys = [
   ...body_journeys,
   ...motion_journeys,
   ...gait_journeys,
+  ...jump_journeys,
   ...library_journeys,
   ...circuit_journeys,
   ...control_journeys,

@@ -3,25 +3,13 @@ import assert from 'node:assert/strict';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { document_of, set_mode, until } from './browser.mjs';
+import { blur, document_of, set_mode, text_of, undo_to, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no library';
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
 const hook = (page, expression) => page.evaluate(`window.ugoki.${expression}`);
-const text_of = async (page) => JSON.stringify(await document_of(page));
-const blur = (page) => page.evaluate('document.activeElement?.blur?.()');
 const card = (page, name) => page.locator('#library-list [role=option]', { has: page.locator('.entry-name', { hasText: name }) }).first();
-
-async function undo_to(page, wanted) {
-  await blur(page);
-  for (let i = 0; (await text_of(page)) !== wanted; i++) {
-    const { can_undo, revision } = await hook(page, 'undo()');
-    assert.ok(can_undo && i < 60, 'undo to the former document');
-    await page.keyboard.press('Control+z');
-    await until(page, async () => (await hook(page, 'undo()')).revision !== revision, 'an undone command', 20000);
-  }
-}
 
 /**
  * Markers on the skin of a walking person of 1.75 m, as CSV: x forward, y left, z up, m. One marker is hidden for 0.2 s, another jumps by

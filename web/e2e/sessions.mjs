@@ -1,15 +1,13 @@
 // Journeys through whole working sessions: the studio is killed, two windows, the keyboard alone, many copies, and everything undone and redone.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { document_of, ready, set_mode, until } from './browser.mjs';
+import { blur, document_of, ready, set_mode, text_of, undo_to, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no history';
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
 const hook = (page, expression) => page.evaluate(`window.ugoki.${expression}`);
-const text_of = async (page) => JSON.stringify(await document_of(page));
 const focused = (page, read) => page.evaluate(read);
-const blur = (page) => page.evaluate('document.activeElement?.blur?.()');
 
 /** Presses `keys` of undo or redo until the document has no more of them. @return texts of the document, after each step */
 async function walk_history(page, keys, possible) {
@@ -22,17 +20,6 @@ async function walk_history(page, keys, possible) {
     assert.ok(texts.length < 3000, 'the history ends');
   }
   return texts;
-}
-
-/** Undoes commands until the document is `wanted`. */
-async function undo_to(page, wanted) {
-  await blur(page);
-  for (let i = 0; (await text_of(page)) !== wanted; i++) {
-    const { can_undo, revision } = await hook(page, 'undo()');
-    assert.ok(can_undo && i < 60, 'undo to the former document');
-    await page.keyboard.press('Control+z');
-    await until(page, async () => (await hook(page, 'undo()')).revision !== revision, 'an undone command', 20000);
-  }
 }
 
 export const session_journeys = [
