@@ -141,7 +141,7 @@ void Stepper::solve_loops(std::size_t s, const StepSystem& system, double dt) {
 
 /// Writes the last segment of the solver: the whitened rows on the chain of DOF `last` in Loops::sparse become rows on all DOFs, projected
 /// onto what the loops allow.
-/// @return inverse inertia of the first row with loops, as a fraction of that without loops, 0 to 1
+/// @return how much of the first row's mobility the loops leave: its inverse inertia with loops divided by that without, 0 to 1
 double Stepper::spread_over_loops(std::size_t s, int last) {
   const dynamics::Workspace& ws = workspaces_[s];
   const SystemScratch::Loops& loops = *scratch_[s].loops;

@@ -12,6 +12,14 @@
 namespace ugoki::intake {
 namespace {
 
+/// Height [m] of the lowest support point. @param points [links], in the frames of the links  @param X [links] poses in the world
+double lowest_height(const std::vector<std::vector<SupportPoint>>& points, const std::vector<Pose>& X) {
+  double lowest = 1e300;
+  for (std::size_t i = 0; i < X.size(); ++i)
+    for (const SupportPoint& s : points[i]) lowest = std::min(lowest, (X[i] * s.p).z - s.radius);
+  return lowest;
+}
+
 /// Horizontal distance [m] by which `p` is outside the convex hull of the points; negative inside. 16 directions approximate the hull.
 double distance_outside(const Vec3& p, const std::vector<Vec3>& points) {
   constexpr int directions = 16;
@@ -80,10 +88,7 @@ std::string describe_missing_support(const Mechanism& mechanism, const Motion& m
   std::vector<std::vector<Vec3>> near_floor;  // [frames] points at most `gap` above the floor
   for (int f = 0; f < motion.frames; f += step) {
     calc_poses(mechanism, {motion.frame(f), static_cast<std::size_t>(motion.nq)}, X);
-    double lowest = 1e300;
-    for (std::size_t i = 0; i < X.size(); ++i)
-      for (const SupportPoint& s : points[i]) lowest = std::min(lowest, (X[i] * s.p).z - s.radius);
-    low.push_back(lowest);
+    low.push_back(lowest_height(points, X));
     root.push_back(X[0].p.z);
     centre.push_back(centre_of_mass(mechanism, X));
     std::vector<Vec3>& standing = near_floor.emplace_back();
@@ -132,10 +137,7 @@ std::vector<double> hovering_heights(const Mechanism& mechanism, const Motion& m
   std::vector<double> low, root;
   for (int f = 0; f < n; ++f) {
     calc_poses(mechanism, {motion.frame(f), static_cast<std::size_t>(motion.nq)}, X);
-    double lowest = 1e300;
-    for (std::size_t i = 0; i < X.size(); ++i)
-      for (const SupportPoint& s : points[i]) lowest = std::min(lowest, (X[i] * s.p).z - s.radius);
-    low.push_back(lowest);
+    low.push_back(lowest_height(points, X));
     root.push_back(X[0].p.z);
   }
   const auto at = [](const std::vector<double>& v, int i) { return v[static_cast<std::size_t>(i)]; };

@@ -15,7 +15,8 @@ import { lowest_point } from '../view/character_view';
 import { new_pose_name, store_pose } from '../core/posing/pose_library';
 import { end_tour } from './Tour';
 import { add_camera, cut_here, key_view, place_camera, toggle_through } from './film/actions';
-import { access, circuit, desk, page, parts, poser, registry, session } from './app';
+import { access, circuit, page, parts, poser, registry, session } from './app';
+import { add_gait, body_for_gait } from './motion/gait_actions';
 
 const state = (): StudioState => session.state;
 const turns = new EditTurns(session.store);
@@ -141,21 +142,6 @@ export function add_motion(character: string, motion: string, start: number): Pr
     return undefined;
   }
   return insert_clip(character, { motion, start, id: session.fresh_id('k'), ...(entry?.duration ? { length: entry.duration } : {}) });
-}
-
-/** The character that a new gait moves: the selected one, or the only one. */
-function body_for_gait(): string | null {
-  const { document } = state();
-  return selected_character(state()) ?? (document?.characters.length === 1 ? document.characters[0]!.id : null);
-}
-
-/** Lets the character walk after its last clip. */
-export function add_gait(): void {
-  const id = body_for_gait();
-  const character = id && state().document ? find_character(state().document!, id) : undefined;
-  if (!character) return;
-  const moving = (state().characters.find((c) => c.id === id)?.end_speed ?? 0) > 0.3; // m/s: the last clip ends in a walk, which goes on
-  void desk.make_gait({ character: character.id, start: track_end(character), ...(moving ? { gait: { from_stand: false } } : {}) });
 }
 
 /** New rules that the menu offers. */
