@@ -10,6 +10,7 @@
 
 #include "../dynamics/random_loops.h"
 #include "allocation_count.h"
+#include "ugoki/contact/anderson_mixing.h"
 #include "ugoki/contact/guarded_step.h"
 #include "ugoki/world/world.h"
 
@@ -210,6 +211,79 @@ TEST(TreeIsland, LongSeriesStandsOnTheGround) {
   double weight = 0;
   for (const Vec3& f : stepper.forces()) weight += f.z;
   EXPECT_NEAR(weight, 9.81 * m->mass(), 1e-3 * 9.81 * m->mass());
+}
+
+/// A chain of `links` capsules, with hinges about y and z in turn; the base floats in the middle.
+MechanismPtr open_chain(int links) {
+  MechanismSpec spec;
+  spec.name = "chain";
+  const int root = links / 2;
+  const auto add = [&](int i, int parent) {
+    LinkSpec link;
+    link.name = "link " + std::to_string(i);
+    const bool before = i < root;
+    if (parent < 0) {
+      link.joint.type = JointType::floating;
+    } else {
+      link.parent = "link " + std::to_string(parent);
+      link.joint.type = JointType::revolute;
+      link.joint.axis = i % 2 == 0 ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+      link.joint.X_PJ.p = {!before ? 0.1 : i == root - 1 ? 0.0 : -0.1, 0, 0};
+      link.joint.dofs[0].damping = 0.01;
+    }
+    Shape shape = Shape::capsule(0.03, {before ? -0.1 : 0.0, 0, 0}, {before ? 0.0 : 0.1, 0, 0});
+    shape.friction = 0.8;
+    link.inertia = solid_inertia(shape, 1000);
+    link.shapes.push_back(shape);
+    spec.links.push_back(link);
+  };
+  add(root, -1);
+  for (int i = root + 1; i < links; ++i) add(i, i - 1);
+  for (int i = root - 1; i >= 0; --i) add(i, i + 1);
+  return Mechanism::make(std::move(spec)).value();
+}
+
+// An open system that lands: its contacts slide, and the tree method hands it over after few Newton steps. At rest the tree method needs none.
+TEST(TreeIsland, LandingChainIsHandedOverAndReturns) {
+  const MechanismPtr m = open_chain(60);
+  const world::World world({m}, {});
+  world::WorldStepper stepper(world);
+  world::WorldState s(world);
+  s.q(0)[2] = 0.12;
+  s.q(0)[7] = 0.05;
+  stepper.load(s);
+  int handed_over = 0, most = 0, at_end = 0;
+  for (int i = 0; i < 400; ++i) {
+    const StepReport report = stepper.step({}, 0.002);
+    ASSERT_EQ(report.status, StepStatus::ok);
+    EXPECT_EQ(report.not_converged, 0);
+    handed_over += report.handed_over;
+    if (report.handed_over == 0) most = std::max(most, report.newton_steps);
+    if (i >= 300) at_end += report.handed_over;
+  }
+  EXPECT_GT(handed_over, 0);
+  EXPECT_LE(most, 80);
+  EXPECT_EQ(at_end, 0);
+}
+
+TEST(AndersonMixing, SolvesAnAffineMapInAFewSteps) {
+  // x <- A x + b with 40 unknowns, three slow directions with rates 0.9999, 0.999 and 0.99, and 0.1 in all others.
+  constexpr std::size_t n = 40;
+  const auto rate = [](std::size_t i) { return i == 7 ? 0.9999 : i == 20 ? 0.999 : i == 33 ? 0.99 : 0.1; };
+  std::vector<double> x(n, 0.0), g(n);
+  AndersonMixing mixing;
+  mixing.begin(n);
+  double error = 0;
+  for (int k = 0; k < 12; ++k) {
+    error = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double solution = 1 + 0.1 * static_cast<double>(i % 3);
+      g[i] = solution + rate(i) * (x[i] - solution);
+      error = std::max(error, std::fabs(x[i] - solution));
+    }
+    mixing.next(x, g);
+  }
+  EXPECT_LT(error, 1e-9);  // 0.9988 without acceleration
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "ugoki/base/check.h"
 #include "ugoki/mechanism/state.h"
@@ -11,8 +12,14 @@ namespace {
 
 // m: tolerated position error of one step in a large heap; SolverOptions::coarse is this distance / dt.
 constexpr double coarse_distance = 1e-4;
-// DOFs of a system above which TreeIsland does not hand the system over, because the cost of its whitened rows grows with the cube.
-constexpr std::size_t max_handed_over = 256;
+// DOFs of an open system, and of a system with loops, above which TreeIsland does not hand the system over, because the cost of whitened
+// rows grows with the cube.
+constexpr std::size_t max_handed_over = 512, max_closed_handed_over = 256;
+// Newton steps of TreeIsland before it hands an open system over. Bodies that land slide fast; whitened rows then need few sweeps, and
+// TreeIsland many steps. Bodies at rest need no step. The limit grows with the cost of whitened rows (TreeIsland::min_work), so that a
+// system which has come to rest returns to TreeIsland. Measured with chains of 50 to 300 links that fall (docs/design/contact.md).
+constexpr int min_steps_before_hand_over = 8;
+constexpr double work_of_step = 60;
 
 /// m: radius of a body whose only colliding shape is round, so that it can roll; 0 for every other body.
 double rolling_radius(const Link& link) {
@@ -88,7 +95,10 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
     if (std::ranges::any_of(m.loops(), &Loop::closed)) {
       x.loops = std::make_unique<SystemScratch::Loops>(m);
     }
-    if (m.nv() >= options_.min_tree_dofs && TreeIsland::can_treat(m)) x.tree = std::make_unique<TreeIsland>(m);
+    if (m.nv() >= options_.min_tree_dofs && TreeIsland::can_treat(m)) {
+      x.tree = std::make_unique<TreeIsland>(m);
+      x.can_hand_over = n <= (x.loops ? max_closed_handed_over : max_handed_over);
+    }
     for (std::size_t k = 0; k < n; ++k) x.contiguous_chain.push_back(ws.depth[k] == static_cast<int>(k) ? 1 : 0);
   }
   solver_.set_systems(first);
@@ -132,12 +142,19 @@ void Stepper::choose_methods(std::span<const collision::ContactPoint> contacts) 
   }
 }
 
+/// Newton steps after which TreeIsland hands the system over to the velocity solver.
+int Stepper::steps_before_hand_over(std::size_t s) const {
+  const SystemScratch& x = scratch_[s];
+  if (!x.can_hand_over || x.loops) return std::numeric_limits<int>::max();
+  return std::max(min_steps_before_hand_over, static_cast<int>(tree_work_[s] / (work_of_step * static_cast<double>(x.v.size()))));
+}
+
 /// Lets the velocity solver solve the systems that TreeIsland did not finish, if they are small. @return whether there are any
 bool Stepper::hand_over() {
   bool any = false;
   for (std::size_t s = 0; s < scratch_.size(); ++s) {
     SystemScratch& x = scratch_[s];
-    if (!x.by_tree || x.tree_report.not_converged == 0 || x.v.size() > max_handed_over) continue;
+    if (!x.by_tree || x.tree_report.not_converged == 0 || !x.can_hand_over) continue;
     x.by_tree = false;
     any = true;
     ++handed_over_;
@@ -169,7 +186,8 @@ SolverReport Stepper::solve_rows(const SolverOptions& options, std::size_t first
     x.tree_blocks = x.tree->blocks().size();
     if (x.tree_solved) {
       x.tree_report = {};
-      x.tree->solve(*mechanisms_[s], workspaces_[s], options, x.tree_report);
+      const int max_steps = again ? std::numeric_limits<int>::max() : steps_before_hand_over(s);
+      x.tree->solve(*mechanisms_[s], workspaces_[s], options, max_steps, x.tree_report);
     }
     if (x.tree->blocks().empty()) x.tree_report = {};
     const std::span<const double> change = x.tree->change();

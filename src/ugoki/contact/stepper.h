@@ -175,6 +175,7 @@ class Stepper {
   [[nodiscard]] SolverOptions solver_options(double dt, bool careful) const;
   StepReport finish(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, const SolverReport& solved,
                     StepReport report);
+  [[nodiscard]] int steps_before_hand_over(std::size_t s) const;
   bool hand_over();
   [[nodiscard]] bool is_movable(int system, int link) const;
   void choose_methods(std::span<const collision::ContactPoint> contacts);
@@ -236,6 +237,7 @@ class Stepper {
     };
     std::unique_ptr<Loops> loops;      // null: the mechanism has no closed loop
     std::unique_ptr<TreeIsland> tree;  // null: the system is small, or TreeIsland cannot treat its joints
+    bool can_hand_over = false;        // true: a system that `tree` does not finish is solved again by whitened rows
     bool by_tree = false;              // true: `tree` solves the rows of this step
     bool tree_solved = false;          // the last solution may have changed the impulses of `tree`
     std::size_t tree_blocks = 0;       // blocks of `tree` at its last solution

@@ -12,7 +12,7 @@ namespace {
 // Of Newton's method, as in velocity_newton.cpp: first and minimum value of R relative to a block's inverse inertia, updates of p^, and the
 // line search, which ends when the slope of the merit has fallen to a fraction. With a minimum of 1e-6, the rounding of the velocities
 // divided by R leaves residuals of 1e-6 m/s.
-constexpr double first_regularization = 1e-4, min_regularization = 1e-5;
+constexpr double first_regularization = 1e-3, min_regularization = 1e-5;
 constexpr int max_updates = 20, max_steps = 12, max_trials = 8;
 constexpr double slope_ratio = 0.1;
 // Slope of the merit, as a fraction of that of the first step, below which a step is rounding.
@@ -36,6 +36,7 @@ TreeIsland::TreeIsland(const Mechanism& m) : solver_(m) {
   blocks_.reserve(blocks);
   places_.reserve(blocks);
   shift_.reserve(blocks);
+  next_shift_.reserve(blocks);
   G_.reserve(9 * blocks);
   for (std::vector<double>* x : {&target_, &p_, &hat_, &old_p_, &u_, &du_, &best_p_}) x->reserve(3 * blocks);
 }
@@ -280,17 +281,22 @@ int TreeIsland::minimise(const Mechanism& m, dynamics::Workspace& ws, double tol
 }
 
 /// Improves p by updates of p^. @return number of Newton steps
-int TreeIsland::newton(const Mechanism& m, dynamics::Workspace& ws, double tolerance) {
+int TreeIsland::newton(const Mechanism& m, dynamics::Workspace& ws, double tolerance, int limit) {
   int steps = 0;
+  double moved = 0;
   regularization_ = first_regularization;
-  for (int update = 0; update < max_updates; ++update) {
-    hat_ = p_;
+  const auto find_shifts = [&](std::span<double> shifts) {
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       const RowBlock& b = blocks_[i];
-      shift_[i] = b.kind == RowKind::contact ? sliding_shift(b, p_.data() + b.row, u_.data() + b.row) : 0;
+      shifts[i] = b.kind == RowKind::contact ? sliding_shift(b, p_.data() + b.row, u_.data() + b.row) : 0;
     }
-    steps += minimise(m, ws, tolerance);
-    double moved = 0;  // m/s: velocity error that corresponds to the last change of p^, and of the shifts
+  };
+  find_shifts(shift_);
+  mixing_.begin(blocks_.size());
+  for (int update = 0; update < max_updates && steps < limit; ++update) {
+    hat_ = p_;
+    steps += minimise(m, ws, std::max(tolerance, 0.01 * moved));
+    moved = 0;  // m/s: velocity error that corresponds to the last change of p^, and of the shifts
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       const RowBlock& b = blocks_[i];
       if (places_[i].held) continue;
@@ -301,26 +307,34 @@ int TreeIsland::newton(const Mechanism& m, dynamics::Workspace& ws, double toler
       if (b.kind == RowKind::contact)
         moved = std::max(moved, std::fabs(sliding_shift(b, p_.data() + b.row, u_.data() + b.row) - shift_[i]));
     }
-    if (moved < 0.1 * tolerance) break;
+    if (moved < 0.5 * tolerance) break;
+    find_shifts(next_shift_);
+    mixing_.next(shift_, next_shift_);
+    for (double& s : shift_) s = std::max(0.0, s);
     regularization_ = std::max(0.1 * regularization_, min_regularization);
   }
   return steps;
 }
 
-void TreeIsland::solve(const Mechanism& m, dynamics::Workspace& ws, const SolverOptions& options, SolverReport& report) {
+void TreeIsland::solve(const Mechanism& m, dynamics::Workspace& ws, const SolverOptions& options, int max_newton_steps,
+                       SolverReport& report) {
   if (blocks_.empty()) return;
   ++report.islands;
   if (finished_ < blocks_.size()) finish_blocks(m, ws, options.softness);
   u_.resize(p_.size());
   du_.resize(p_.size());
   shift_.resize(blocks_.size());
+  next_shift_.resize(blocks_.size());
   G_.resize(9 * blocks_.size());
   find_change(m, ws);
   double residual = measure();
   best_p_ = p_;
   best_change_ = change_;
-  for (int round = 0; round < max_rounds && !(residual < options.tolerance); ++round) {
-    report.newton_steps += newton(m, ws, options.tolerance);
+  int left = max_newton_steps;
+  for (int round = 0; round < max_rounds && left > 0 && !(residual < options.tolerance); ++round) {
+    const int steps = newton(m, ws, options.tolerance, left);
+    report.newton_steps += steps;
+    left -= steps;
     find_change(m, ws);
     const double now = measure();
     if (now < residual) {

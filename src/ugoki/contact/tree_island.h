@@ -18,6 +18,7 @@
 #include <span>
 #include <vector>
 
+#include "ugoki/contact/anderson_mixing.h"
 #include "ugoki/contact/row_block.h"
 #include "ugoki/contact/velocity_solver.h"
 #include "ugoki/dynamics/articulated_factor.h"
@@ -56,8 +57,8 @@ class TreeIsland {
   RowBlock& add_joint_row(RowKind kind, std::uint64_t key, int dof, double sign, double target, std::span<const double> warm);
 
   /// Solves the impulses of all blocks, starting from the present ones. Adds to `report`; not_converged counts the system.
-  /// The number of factorizations is bounded (tree_island.cpp).
-  void solve(const Mechanism& m, dynamics::Workspace& ws, const SolverOptions& options, SolverReport& report);
+  /// The number of factorizations is bounded (tree_island.cpp). @param max_newton_steps after these, no update of p^ begins
+  void solve(const Mechanism& m, dynamics::Workspace& ws, const SolverOptions& options, int max_newton_steps, SolverReport& report);
 
   /// [nv] velocity change of the last solve(); zero without blocks.
   [[nodiscard]] std::span<const double> change() const { return change_; }
@@ -82,7 +83,7 @@ class TreeIsland {
   void find_change(const Mechanism& m, dynamics::Workspace& ws);
   void find_velocities(std::span<const Vec6> links, std::span<const double> dofs, std::span<double> u) const;
   [[nodiscard]] double measure() const;
-  int newton(const Mechanism& m, dynamics::Workspace& ws, double tolerance);
+  int newton(const Mechanism& m, dynamics::Workspace& ws, double tolerance, int limit);
   int minimise(const Mechanism& m, dynamics::Workspace& ws, double tolerance);
   Slope apply_laws(double length);
   void assemble(const dynamics::Workspace& ws);
@@ -97,7 +98,9 @@ class TreeIsland {
   std::vector<double> target_, p_, hat_;         // [rows] hat_: p^
   std::vector<double> old_p_;                    // [rows] impulses at the beginning of a Newton step
   std::vector<double> u_, du_;                   // [rows] velocities, and their change along step_
-  std::vector<double> shift_, G_;                // [blocks] AugmentedLaw::shift; [blocks * 9] -dp/du, row by row
+  std::vector<double> shift_, next_shift_;       // [blocks] AugmentedLaw::shift, and that of the last velocities
+  std::vector<double> G_;                        // [blocks * 9] -dp/du, row by row
+  AndersonMixing mixing_;                        // of the shifts
   std::vector<double> change_, step_;            // [nv] d, Newton step
   std::vector<Vec6> change_V_, step_V_;          // [links] velocity changes of the links
   std::vector<double> r_, stiff_extra_;          // [nv] impulse on the DOFs; extra_ with the stiffness of joint rows
