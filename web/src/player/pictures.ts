@@ -103,7 +103,7 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
       sending.push(send(i, 'png', blob));
     }
     if (planar) {
-      sending.push(planar.read().then((bytes) => send(i, 'raw', bytes)));
+      sending.push(planar.read().then((bytes) => send(i, 'raw', bytes).then(() => planar.reuse(bytes))));
     } else if (settings.raw !== '') {
       if (settings.transparent) straighten(pixels);
       sending.push(send(i, 'raw', pixels));
@@ -114,6 +114,7 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
     under_way.add(sent);
     if (under_way.size >= settings.ahead) await Promise.race(under_way);
   }
+  planar?.finish();
   await Promise.all(under_way);
 }
 
