@@ -1,6 +1,6 @@
 import * as THREE from 'three';
 import { describe, expect, it } from 'vitest';
-import { shadow_rectangle } from '../src/view/floor';
+import { shadow_rectangle, sphere_of } from '../src/view/floor';
 
 describe('shadow_rectangle', () => {
   it('contains the shadows of all bodies and little more', () => {
@@ -22,7 +22,7 @@ describe('shadow_rectangle', () => {
         box.expandByPoint(new THREE.Vector2(point.x, point.y));
       }
     }
-    const { left, right, front, back } = shadow_rectangle(bodies, to_light, 0.01);
+    const { left, right, front, back } = shadow_rectangle(bodies.map(sphere_of), to_light, 0.01);
     const margins = [box.min.x - left, right - box.max.x, box.min.y - front, back - box.max.y];
     // 0.01 m is the given softness; 0.4 m: bounding spheres are larger than bodies
     for (const margin of margins) expect(margin).toBeGreaterThan(0.01);

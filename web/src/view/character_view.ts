@@ -63,7 +63,8 @@ export interface LinkTag {
 
 export type Emphasis = 'none' | 'hover' | 'selected' | 'pulled';
 
-const glows: Record<Emphasis, Glow> = { none: [0, 0], hover: [0.09, 0], selected: [0, 0.34], pulled: [0, 0.5] };
+/** Light that an emphasised link emits. */
+export const glows: Record<Emphasis, Glow> = { none: [0, 0], hover: [0.09, 0], selected: [0, 0.34], pulled: [0, 0.5] };
 
 /**
  * The three.js object that shows a character: a group with one mesh for each link, and for a body its smooth surface, which is drawn instead

@@ -122,16 +122,13 @@ interface Rectangle {
 }
 
 /**
- * The part of the floor (z = 0) on which the bodies of `meshes` can cast shadows.
+ * The part of the floor (z = 0) on which bodies within `spheres` (m) can cast shadows.
  * @param to_light unit vector  @param soft distance by which the edge of a shadow is softened, m
  */
-export function shadow_rectangle(meshes: readonly THREE.Mesh[], to_light: THREE.Vector3, soft: number): Rectangle {
+export function shadow_rectangle(spheres: readonly THREE.Sphere[], to_light: THREE.Vector3, soft: number): Rectangle {
   const out = { left: Infinity, right: -Infinity, front: Infinity, back: -Infinity };
   const [slope_x, slope_y] = [to_light.x / to_light.z, to_light.y / to_light.z];
-  const sphere = new THREE.Sphere();
-  for (const mesh of meshes) {
-    if (!mesh.geometry.boundingSphere) mesh.geometry.computeBoundingSphere();
-    sphere.copy(mesh.geometry.boundingSphere!).applyMatrix4(mesh.matrixWorld);
+  for (const sphere of spheres) {
     // the shadow of a sphere is an ellipse
     const x = sphere.center.x - slope_x * sphere.center.z;
     const y = sphere.center.y - slope_y * sphere.center.z;
@@ -143,6 +140,12 @@ export function shadow_rectangle(meshes: readonly THREE.Mesh[], to_light: THREE.
     out.back = Math.max(out.back, y + half_y);
   }
   return out;
+}
+
+/** Bounding sphere of a mesh in the world, m. */
+export function sphere_of(mesh: THREE.Mesh): THREE.Sphere {
+  if (!mesh.geometry.boundingSphere) mesh.geometry.computeBoundingSphere();
+  return mesh.geometry.boundingSphere!.clone().applyMatrix4(mesh.matrixWorld);
 }
 
 /**
@@ -182,21 +185,24 @@ export class Floor {
 
   /** Puts the patches where the bodies of a scene cast shadows. The world matrices of the scene must be up to date. */
   place_patches(scene: THREE.Scene, light: THREE.DirectionalLight): void {
-    const groups = new Map<THREE.Object3D | null, THREE.Mesh[]>();
+    const groups = new Map<THREE.Object3D | null, THREE.Sphere[]>();
+    const crowds: THREE.Sphere[][] = [];
     scene.traverseVisible((o) => {
       // the bounds of a surface that follows links are those of the links, which are in the scene too
       if (!(o instanceof THREE.Mesh) || !o.castShadow || o instanceof THREE.SkinnedMesh) return;
+      if (o.userData.casters) return void crowds.push(...(o.userData.casters as THREE.Sphere[][]));
       const group = groups.get(o.parent);
-      if (group) group.push(o);
-      else groups.set(o.parent, [o]);
+      if (group) group.push(sphere_of(o));
+      else groups.set(o.parent, [sphere_of(o)]);
     });
     const to_light = light.position.clone().sub(light.target.position).normalize();
     const { shadow } = light;
     const texel = (shadow.camera.right - shadow.camera.left) / shadow.mapSize.x;
     const soft = ((shadow.radius + 2) * texel + shadow.normalBias) / to_light.z;
-    const lists = groups.size <= max_patches ? [...groups.values()] : [[...groups.values()].flat()];
-    lists.forEach((meshes, i) => {
-      const { left, right, front, back } = shadow_rectangle(meshes, to_light, soft);
+    const all = [...groups.values(), ...crowds];
+    const lists = all.length <= max_patches ? all : [all.flat()];
+    lists.forEach((spheres, i) => {
+      const { left, right, front, back } = shadow_rectangle(spheres, to_light, soft);
       this.corners.array.set([left, front, 0, right, front, 0, right, back, 0, left, front, 0, right, back, 0, left, back, 0], 18 * i);
     });
     this.corners.needsUpdate = true;

@@ -11,8 +11,10 @@ import type { MechanismData } from '../core/protocol';
 import type { Session } from '../core/session';
 import { selected_character, shown_document, type StudioState } from '../core/state';
 import { CameraRig } from './camera';
-import { body_surface, hidden_layer } from './body_view';
-import { CharacterView, Ghost, mechanism_geometries, type LinkTag } from './character_view';
+import { body_surface } from './body_view';
+import { Ghost, mechanism_geometries, type LinkTag } from './character_view';
+import { Crowd } from './crowd';
+import type { CrowdMember } from './crowd_member';
 import { Arrow, assist_color, ContactDiscs, make_ring, Polyline, Segments, Spring } from './overlays';
 import { CameraOutlines } from './film_view';
 import { shadow_reach, Stage } from './stage';
@@ -24,20 +26,17 @@ const trail_seconds = 4; // time span of a trail, s
 const reach = 10; // maximum distance between the pointer and a link that is picked, px
 const max_contact_arrows = 48; // maximum number of contacts that are drawn with arrows
 
-const moved_sphere = new THREE.Sphere();
 const point_of_mass = new THREE.Vector3();
 const force_of_assist = new THREE.Vector3();
 const start_of_assist = new THREE.Vector3();
 
 /** The objects drawn for one character. */
 interface Drawn {
-  character_view: CharacterView;
+  member: CrowdMember;
   /** Made when they are shown for the first time. */
   ghosts: Ghost[];
   assist: Arrow;
   trail: Polyline;
-  /** Displacement from the position in the frames while the character's place is dragged, m. */
-  offset: THREE.Vector3;
   /** Packed poses of all links to draw instead of those of the frames; null: draw the frames. */
   pose: Float32Array | null;
 }
@@ -53,6 +52,7 @@ export type DrawListener = (viewport: Viewport) => void;
 export class Viewport {
   readonly rig = new CameraRig();
   readonly stage: Stage;
+  private readonly crowd = new Crowd();
   private readonly drawn = new Map<string, Drawn>();
   private readonly geometries = new Map<string, (THREE.BufferGeometry | null)[]>();
   private readonly contact_arrows: Arrow[] = [];
@@ -97,7 +97,7 @@ export class Viewport {
     private readonly report_states: (states: Record<string, CharacterState>) => void,
   ) {
     this.stage = new Stage(canvas);
-    this.raycaster.layers.enable(hidden_layer);
+    this.stage.scene.add(this.crowd.group);
     for (let i = 0; i < max_contact_arrows; i++) {
       const arrow = new Arrow(0xfdba74, 0.009);
       this.contact_arrows.push(arrow);
@@ -120,6 +120,7 @@ export class Viewport {
   dispose(): void {
     cancelAnimationFrame(this.handle);
     for (const undo of this.undo_subscriptions) undo();
+    this.crowd.dispose();
     this.stage.dispose();
   }
 
@@ -156,7 +157,7 @@ export class Viewport {
 
   /** The link at a point of the page; else a link within about `reach` px of the point; else null. @param client_x, client_y px */
   pick(client_x: number, client_y: number): Pick | null {
-    const groups = [...this.drawn.values()].map((entry) => entry.character_view.group);
+    const groups = [...this.drawn.values()].map((entry) => entry.member.group);
     const look = (dx: number, dy: number): Pick | null => {
       this.aim(client_x + dx, client_y + dy);
       const hit = this.raycaster.intersectObjects(groups, true)[0];
@@ -218,15 +219,14 @@ export class Viewport {
 
   /** Converts a world point into a link's frame, m; null if the link is not drawn. */
   to_link(tag: LinkTag, point: THREE.Vector3): THREE.Vector3 | null {
-    const mesh = this.drawn.get(tag.character)?.character_view.links[tag.link];
+    const mesh = this.drawn.get(tag.character)?.member.links[tag.link];
     if (!mesh) return null;
-    mesh.updateWorldMatrix(true, false);
     return point.clone().applyMatrix4(mesh.matrixWorld.clone().invert());
   }
 
   /** Draws a character displaced by `offset` (m) from its position in the frames. */
   show_offset(character: string, offset: THREE.Vector3): void {
-    this.drawn.get(character)?.offset.copy(offset);
+    this.drawn.get(character)?.member.offset.copy(offset);
     this.invalidate();
   }
 
@@ -243,11 +243,11 @@ export class Viewport {
   }
 
   mechanism_of(character: string): MechanismData | undefined {
-    return this.drawn.get(character)?.character_view.mechanism;
+    return this.drawn.get(character)?.member.mechanism;
   }
 
   link_label(tag: LinkTag): string {
-    const link = this.drawn.get(tag.character)?.character_view.mechanism.links[tag.link];
+    const link = this.drawn.get(tag.character)?.member.mechanism.links[tag.link];
     return format_label(link?.label || link?.name || '');
   }
 
@@ -256,18 +256,13 @@ export class Viewport {
     const out: THREE.Sphere[] = [];
     for (const [id, entry] of this.drawn) {
       if (character !== null && id !== character) continue;
-      entry.character_view.group.updateMatrixWorld(true);
-      for (const mesh of entry.character_view.links)
-        if (mesh?.geometry.boundingSphere) out.push(mesh.geometry.boundingSphere.clone().applyMatrix4(mesh.matrixWorld));
+      out.push(...entry.member.spheres);
     }
     return out;
   }
 
-  /** The bounding spheres of all links, in one object that is changed for each. */
   private *each_sphere(): Generator<THREE.Sphere> {
-    for (const entry of this.drawn.values())
-      for (const mesh of entry.character_view.links)
-        if (mesh?.geometry.boundingSphere) yield moved_sphere.copy(mesh.geometry.boundingSphere).applyMatrix4(mesh.matrixWorld);
+    for (const entry of this.drawn.values()) yield* entry.member.spheres;
   }
 
   /** Bounding sphere of a character (null: of all characters) as drawn now, m; null if nothing is drawn. */
@@ -337,7 +332,7 @@ export class Viewport {
       if (mechanism && doc && !is_left_out(doc, character)) wanted.set(character.id, mechanism);
     }
     for (const [id, entry] of this.drawn) {
-      if (wanted.get(id) === entry.character_view.mechanism) continue;
+      if (wanted.get(id) === entry.member.mechanism) continue;
       this.remove(entry);
       this.drawn.delete(id);
     }
@@ -346,7 +341,7 @@ export class Viewport {
       const color = character.color || '#e6e6ea';
       const entry = this.drawn.get(id) ?? this.add(id, mechanism, color);
       this.drawn.set(id, entry);
-      entry.character_view.set_look(color, character, character.metalness ? this.stage.environment : null);
+      this.crowd.set_look(entry.member, color, character, character.metalness ? this.stage.environment : null);
     }
     this.emphasise();
   }
@@ -358,31 +353,30 @@ export class Viewport {
       this.geometries.set(mechanism.id, geometries);
     }
     const entry: Drawn = {
-      character_view: new CharacterView(id, mechanism, geometries, color),
+      member: this.crowd.add(id, mechanism, geometries, color),
       ghosts: [],
       assist: new Arrow(0x34d399, 0.011, true),
       trail: new Polyline(0xff9d5c, 1.6, 0.8),
-      offset: new THREE.Vector3(),
       pose: null,
     };
-    this.stage.scene.add(entry.character_view.group, entry.assist.group, entry.trail.line);
+    this.stage.scene.add(entry.assist.group, entry.trail.line);
     return entry;
   }
 
   private remove(entry: Drawn): void {
-    this.stage.scene.remove(entry.character_view.group, entry.assist.group, entry.trail.line, ...entry.ghosts.map((g) => g.group));
-    entry.character_view.dispose();
+    this.stage.scene.remove(entry.assist.group, entry.trail.line, ...entry.ghosts.map((g) => g.group));
+    this.crowd.remove(entry.member);
     for (const ghost of entry.ghosts) ghost.dispose();
   }
 
   private emphasise(): void {
     const { selection } = this.session.state;
     for (const [id, entry] of this.drawn) {
-      entry.character_view.links.forEach((_mesh, link) => {
+      entry.member.mechanism.links.forEach((_link, link) => {
         const pulled = this.pull?.tag.character === id && this.pull.tag.link === link;
         const selected = selection.kind === 'character' && selection.character === id && selection.link === link;
         const hovered = this.hovered?.character === id && this.hovered.link === link;
-        entry.character_view.emphasise(link, pulled ? 'pulled' : hovered ? 'hover' : selected ? 'selected' : 'none');
+        entry.member.emphasise(link, pulled ? 'pulled' : hovered ? 'hover' : selected ? 'selected' : 'none');
       });
     }
   }
@@ -416,6 +410,7 @@ export class Viewport {
     this.draw_overlays(frame);
     for (const listener of this.drawing_listeners) listener();
     const { target, distance } = this.rig.current;
+    this.crowd.update();
     this.stage.focus(target, shadow_reach(this.each_sphere(), target, distance), distance);
     this.stage.render(this.rig.camera, still, draft);
     this.pictures++;
@@ -449,10 +444,8 @@ export class Viewport {
       changed ||= this.shown_states[index] !== state;
       this.shown_states[index] = state;
       if (!entry) return;
-      entry.character_view.place(frame, character_frame);
-      if (entry.pose) entry.character_view.place_poses(entry.pose, 0, entry.pose.length / 7);
-      entry.character_view.group.position.copy(entry.offset);
-      entry.character_view.group.updateMatrixWorld(true);
+      if (entry.pose) entry.member.place_poses(entry.pose, 0, entry.pose.length / 7);
+      else entry.member.place(frame, character_frame);
     });
     if (!changed) return;
     this.shown_states.length = characters.length;
@@ -504,18 +497,18 @@ export class Viewport {
     const { view, characters } = state;
     const selected = selected_character(state);
     this.ring.visible = false;
+    this.crowd.show_shapes(view.shapes);
     let arrows = 0;
     characters.forEach((character, index) => {
       const entry = this.drawn.get(character.id);
       const character_frame = frame?.characters[index];
       if (!entry || !character_frame || !frame) return;
-      entry.character_view.show_shapes(view.shapes);
       this.draw_ghosts(entry, index, frame, view.ghosts);
       if (view.trail) this.draw_trail(entry, index, frame);
       else entry.trail.hide();
       if (!view.assist || !frame.simulate || !this.draw_assist(entry, frame, character_frame)) entry.assist.hide();
       if (selected === character.id) {
-        const com = point_of_mass.set(...centre_of_mass(frame, character_frame)).add(entry.offset);
+        const com = point_of_mass.set(...centre_of_mass(frame, character_frame)).add(entry.member.offset);
         const bounds = this.bounds(character.id);
         this.ring.scale.setScalar(Math.max(0.3, Math.min(0.5 * (bounds?.radius ?? 0.8), 0.62)));
         this.ring.position.set(com.x, com.y, (state.document?.ground?.height ?? 0) + 0.004);
@@ -551,11 +544,10 @@ export class Viewport {
     const weight = body_weight(frame, character_frame);
     const force = force_of_assist.fromArray(frame.floats, character_frame.data);
     const share = weight > 0 ? force.length() / weight : 0;
-    const root = entry.character_view.links.find((m) => m);
-    if (share <= 0.004 || !root) return false;
+    if (share <= 0.004 || !entry.member.root(start_of_assist)) return false;
     assist_color(assist_over_cap(frame, character_frame), entry.assist.material.color);
     // the length grows with the square root of the force: 1 % of the weight is visible (0.19 m), 100 % fits the view (1.9 m)
-    entry.assist.show(start_of_assist.setFromMatrixPosition(root.matrixWorld), force.setLength(1.9 * Math.sqrt(Math.min(share, 1))));
+    entry.assist.show(start_of_assist, force.setLength(1.9 * Math.sqrt(Math.min(share, 1))));
     return true;
   }
 
@@ -589,18 +581,17 @@ export class Viewport {
   }
 
   private draw_pull(): void {
-    const mesh = this.pull && this.drawn.get(this.pull.tag.character)?.character_view.links[this.pull.tag.link];
+    const mesh = this.pull && this.drawn.get(this.pull.tag.character)?.member.links[this.pull.tag.link];
     if (!this.pull || !mesh) {
       this.spring.hide();
       return;
     }
-    mesh.updateWorldMatrix(true, false);
     const from = this.pull.local.clone().applyMatrix4(mesh.matrixWorld);
     this.spring.show(from, this.pull.target, this.rig.camera, this.rig.current.distance * 0.0042);
   }
 
   private need_ghosts(entry: Drawn): Ghost[] {
-    const { mechanism } = entry.character_view;
+    const { mechanism } = entry.member;
     const geometries = this.geometries.get(mechanism.id);
     if (entry.ghosts.length === 0 && geometries) {
       entry.ghosts = ghost_offsets.map((_offset, index) => new Ghost(geometries, index, body_surface(mechanism)));
@@ -617,7 +608,7 @@ export class Viewport {
     const ghosts = this.need_ghosts(entry);
     const rate = this.session.state.document?.frame_rate ?? 60;
     if (this.pose_ghosts) {
-      const poses = this.pose_ghosts.character === entry.character_view.character ? this.pose_ghosts.poses : [];
+      const poses = this.pose_ghosts.character === entry.member.character ? this.pose_ghosts.poses : [];
       ghosts.forEach((ghost, i) => {
         const pose = poses[i];
         if (pose) ghost.show_poses(pose, 0.24, i % 2 === 0 ? earlier_color : later_color);

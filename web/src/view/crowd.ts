@@ -1,0 +1,193 @@
+/**
+ * Draws the characters of the viewport with one drawing call (and one for shadows) for all characters of a mechanism. The poses of the links
+ * are in a texture that all instances share; the vertex shader applies them with linear blend skinning.
+ */
+import * as THREE from 'three';
+import type { Material } from '../core/look';
+import type { MechanismData } from '../core/protocol';
+import { body_surface } from './body_view';
+import { CrowdMember } from './crowd_member';
+import { crowd_depth, crowd_material, texel_row } from './crowd_shader';
+import { rigid_surface, skinned_surface, type CrowdSurface } from './crowd_surface';
+
+const first_capacity = 8;
+
+/** A texture of `values`, four floats a texel, in rows of texel_row texels. */
+function data_texture(values: Float32Array<ArrayBuffer>): THREE.DataTexture {
+  const texture = new THREE.DataTexture(values, texel_row, values.length / (4 * texel_row), THREE.RGBAFormat, THREE.FloatType);
+  texture.needsUpdate = true;
+  return texture;
+}
+
+/** All characters that are drawn by one call: those of one surface that reflect, or do not reflect, an environment. */
+class Batch {
+  readonly mesh: THREE.Mesh<THREE.InstancedBufferGeometry, THREE.MeshStandardMaterial>;
+  private readonly uniforms: { u_links: { value: number }; u_poses: { value: THREE.DataTexture | null }; u_marks: { value: THREE.DataTexture | null } };
+  private members: CrowdMember[] = [];
+  private capacity = 0;
+  private poses = new Float32Array(0);
+  private marks = new Float32Array(0);
+  private colors = new THREE.InstancedBufferAttribute(new Float32Array(0), 3);
+  private surfaces = new THREE.InstancedBufferAttribute(new Float32Array(0), 3);
+
+  constructor(private readonly surface: CrowdSurface) {
+    const geometry = new THREE.InstancedBufferGeometry();
+    // the attributes are shared and not disposed with this geometry
+    for (const [name, attribute] of Object.entries(surface.geometry.attributes)) geometry.setAttribute(name, attribute);
+    geometry.setIndex(surface.geometry.index);
+    geometry.instanceCount = 0;
+    this.uniforms = { u_links: { value: surface.links }, u_poses: { value: null }, u_marks: { value: null } };
+    this.mesh = new THREE.Mesh(geometry, crowd_material(this.uniforms));
+    this.mesh.customDepthMaterial = crowd_depth(this.uniforms);
+    this.mesh.matrixAutoUpdate = false;
+    this.mesh.frustumCulled = false; // the instances are anywhere
+    this.mesh.castShadow = this.mesh.receiveShadow = true;
+    this.mesh.raycast = () => undefined; // rays hit the shapes of the links
+    const { shown, shadow } = surface;
+    geometry.setDrawRange(shown.start, shown.count);
+    this.mesh.onBeforeShadow = () => geometry.setDrawRange(shadow.start, shadow.count);
+    this.mesh.onAfterShadow = () => geometry.setDrawRange(shown.start, shown.count);
+  }
+
+  /** Copies what changed since the last call to the textures and attributes. @param environment what metal reflects; null: nothing */
+  update(members: CrowdMember[], environment: THREE.Texture | null): void {
+    const moved = members.length !== this.members.length || members.some((m, i) => m !== this.members[i]);
+    if (members.length > this.capacity) this.grow(members.length);
+    this.members = members;
+    const { geometry, material } = this.mesh;
+    geometry.instanceCount = members.length;
+    this.mesh.visible = members.length > 0;
+    const floats = 8 * this.surface.links;
+    let [posed, marked] = [false, false];
+    members.forEach((member, i) => {
+      if (moved || member.posed) {
+        this.poses.set(member.packed, floats * i);
+        posed = true;
+      }
+      if (moved || member.marked) {
+        this.marks.set(member.marks, floats * i);
+        this.colors.setXYZ(i, member.color.r, member.color.g, member.color.b);
+        this.surfaces.setXYZ(i, member.roughness, member.metalness, member.has_marks ? 1 : 0);
+        marked = true;
+      }
+      member.posed = member.marked = false;
+    });
+    if (posed && this.uniforms.u_poses.value) this.uniforms.u_poses.value.needsUpdate = true;
+    if (marked) {
+      if (this.uniforms.u_marks.value) this.uniforms.u_marks.value.needsUpdate = true;
+      this.colors.needsUpdate = this.surfaces.needsUpdate = true;
+    }
+    this.mesh.userData.casters = members.map((m) => m.spheres);
+    if (material.envMap === environment) return;
+    material.envMap = environment;
+    material.envMapRotation.set(Math.PI / 2, 0, 0); // up is y in the map, and z here
+    material.needsUpdate = true;
+  }
+
+  private grow(wanted: number): void {
+    this.capacity = Math.max(first_capacity, 2 ** Math.ceil(Math.log2(wanted)));
+    const rows = Math.ceil((2 * this.surface.links * this.capacity) / texel_row);
+    this.poses = new Float32Array(4 * texel_row * rows);
+    this.marks = new Float32Array(4 * texel_row * rows);
+    this.uniforms.u_poses.value?.dispose();
+    this.uniforms.u_marks.value?.dispose();
+    this.uniforms.u_poses.value = data_texture(this.poses);
+    this.uniforms.u_marks.value = data_texture(this.marks);
+    this.colors = new THREE.InstancedBufferAttribute(new Float32Array(3 * this.capacity), 3);
+    this.surfaces = new THREE.InstancedBufferAttribute(new Float32Array(3 * this.capacity), 3);
+    this.mesh.geometry.setAttribute('a_color', this.colors);
+    this.mesh.geometry.setAttribute('a_surface', this.surfaces);
+    this.members = [];
+  }
+
+  dispose(): void {
+    this.uniforms.u_poses.value?.dispose();
+    this.uniforms.u_marks.value?.dispose();
+    this.mesh.material.dispose();
+    this.mesh.customDepthMaterial?.dispose();
+  }
+}
+
+/** The surfaces of a mechanism: of its smooth body if it is one, and of its collision shapes. */
+interface Surfaces {
+  body: CrowdSurface | null;
+  shapes: CrowdSurface;
+}
+
+export class Crowd {
+  readonly group = new THREE.Group();
+  private readonly members = new Set<CrowdMember>();
+  private readonly surfaces = new WeakMap<MechanismData, Surfaces>();
+  private readonly batches = new Map<CrowdSurface, [plain: Batch, metal: Batch]>();
+  private environment: THREE.Texture | null = null;
+  private shapes = false;
+  /** True: a member was added, removed, or drawn by another batch. */
+  private changed = true;
+
+  /** Adds a character in its neutral pose. @param geometries of the links; they are shared and not owned */
+  add(character: string, mechanism: MechanismData, geometries: readonly (THREE.BufferGeometry | null)[], color: string): CrowdMember {
+    const member = new CrowdMember(character, mechanism, geometries, color);
+    member.surface = this.surface_of(member);
+    member.place_neutral();
+    this.members.add(member);
+    this.changed = true;
+    return member;
+  }
+
+  remove(member: CrowdMember): void {
+    this.members.delete(member);
+    this.changed = true;
+  }
+
+  /** Draws the collision shapes of the links instead of the smooth surfaces, or the other way round. */
+  show_shapes(on: boolean): void {
+    if (this.shapes === on) return;
+    this.shapes = on;
+    this.changed = true;
+    for (const member of this.members) member.surface = this.surface_of(member);
+  }
+
+  /** Colour and surface of a character. @param environment what metal reflects; null: nothing */
+  set_look(member: CrowdMember, color: string, material: Material, environment: THREE.Texture | null): void {
+    const metal = member.metalness > 0;
+    member.set_look(color, material);
+    if (environment && environment !== this.environment) this.environment = environment;
+    this.changed ||= metal !== member.metalness > 0;
+  }
+
+  private surface_of(member: CrowdMember): CrowdSurface {
+    const { mechanism } = member;
+    let surfaces = this.surfaces.get(mechanism);
+    if (!surfaces) {
+      const body = body_surface(mechanism);
+      surfaces = { body: body && skinned_surface(body), shapes: rigid_surface(mechanism, member.geometries) };
+      this.surfaces.set(mechanism, surfaces);
+    }
+    return this.shapes ? surfaces.shapes : (surfaces.body ?? surfaces.shapes);
+  }
+
+  /** Brings the drawn objects up to date; called before each picture. */
+  update(): void {
+    if (this.changed) {
+      for (const member of this.members)
+        if (!this.batches.has(member.surface!)) {
+          const pair: [Batch, Batch] = [new Batch(member.surface!), new Batch(member.surface!)];
+          this.batches.set(member.surface!, pair);
+          this.group.add(pair[0].mesh, pair[1].mesh);
+        }
+      this.lists.clear();
+      for (const pair of this.batches.values()) for (const batch of pair) this.lists.set(batch, []);
+      for (const member of this.members) this.lists.get(this.batches.get(member.surface!)![member.metalness > 0 ? 1 : 0])!.push(member);
+      this.changed = false;
+    }
+    for (const [plain, metal] of this.batches.values()) {
+      plain.update(this.lists.get(plain)!, null);
+      metal.update(this.lists.get(metal)!, this.environment);
+    }
+  }
+  private readonly lists = new Map<Batch, CrowdMember[]>();
+
+  dispose(): void {
+    for (const pair of this.batches.values()) for (const batch of pair) batch.dispose();
+  }
+}
