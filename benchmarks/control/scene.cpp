@@ -212,12 +212,19 @@ Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::
       std::printf("%6.3f ref %6.3f rate %.1f q (%.3f %.3f %.3f) ref (%.3f %.3f %.3f) dcm %.3f %.3f it %d res %.1e", t, memory.time,
                   memory.rate, state.q[0], state.q[1], state.q[2], control.reference()[0], control.reference()[1], control.reference()[2],
                   result.dcm_error.x, result.dcm_error.y, result.iterations, result.residual);
-      for (std::size_t f = 0; f < stances.size(); ++f)
-        std::printf(" | %d%s shift %.2f %.2f", static_cast<int>(memory.feet[f].stands),
+      std::printf(" limits %d %d ground %.3f lower %.3f", result.limits, result.joint_limits, memory.z, memory.lower);
+      for (std::size_t f = 0; f < stances.size(); ++f) {
+        const control::Foot& foot = control.feet()[f];
+        const Vec3 sole = X[static_cast<std::size_t>(foot.link)] * foot.sole;
+        int touching = 0;
+        for (const collision::ContactPoint& c : contacts)
+          for (const int part : foot.parts) touching += c.distance < 1e-3 && (c.link_a == part || c.link_b == part) ? 1 : 0;
+        std::printf(" | %d%s%d z %.3f of %.3f shift %.2f %.2f", static_cast<int>(memory.feet[f].stands),
                     memory.feet[f].early    ? "e"
                     : memory.feet[f].reacts ? "r"
                                             : " ",
-                    memory.feet[f].shift[0], memory.feet[f].shift[1]);
+                    touching, sole.z, memory.feet[f].to[2], memory.feet[f].shift[0], memory.feet[f].shift[1]);
+      }
       std::printf("\n");
     }
     double tilt = std::hypot(error[0], error[1]);

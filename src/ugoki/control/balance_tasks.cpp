@@ -136,10 +136,10 @@ void add_standing_foot(const BalanceModel& model, const GroundSupport& support, 
 BalanceTasks::BalanceTasks(const BalanceModel& model) : error_(model.v_ref.size()), A_G_(model.v_ref.size()) {}
 
 int BalanceTasks::max_equations(const BalanceModel& model) {
-  // Centre of mass, angular momentum, pelvis, chest; then at most 6 for each link of a foot
-  int parts = 0;
-  for (const Foot& foot : model.feet) parts += static_cast<int>(foot.parts.size());
-  return 12 + 6 * parts;
+  // Centre of mass, angular momentum, pelvis, chest; then at most 6 for each link of a foot, and one for each hovering point
+  std::size_t parts = 0, points = 0;
+  for (const Foot& foot : model.feet) parts += foot.parts.size(), points += foot.points.size();
+  return static_cast<int>(12 + 6 * parts + points);
 }
 
 void BalanceTasks::add_posture(const BalanceModel& model, const LegPosture& legs, const BalanceInput& in, QuadraticProgram& program) {
@@ -176,6 +176,11 @@ void BalanceTasks::add_links(const BalanceModel& model, const GroundSupport& sup
   const BalanceOptions& o = model.options;
   add_turn_task(model, 0, model.ref.X_WB[0].R, o.trunk_frequency, o.pelvis_weight, program);
   if (model.chest >= 0) add_turn_task(model, model.chest, model.ref.X_WB[at(model.chest)].R, o.trunk_frequency, o.chest_weight, program);
+  for (const HoveringPoint& h : support.hovering()) {
+    const double down = std::min(o.hover_speed, h.gap / o.hover_time);
+    const Vec3 target{0, 0, -o.sole_damping * (down + dynamics::point_velocity(model.now, h.link, h.p).z)}, up[1] = {{0, 0, 1}};
+    add_point_rows(model, h.link, h.p, target, o.hover_weight, up, program);
+  }
   for (std::size_t f = 0; f < model.feet.size(); ++f) {
     if (state.feet[f].stands)
       add_standing_foot(model, support, f, program);

@@ -12,6 +12,9 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 GroundSupport::GroundSupport(const BalanceModel& model) : touching_(model.feet.size()) {
   contacts_.reserve(max_bearing);
   bearing_.reserve(max_bearing);
+  std::size_t points = 0;
+  for (const Foot& foot : model.feet) points += foot.points.size();
+  hovering_.reserve(points);
   hull_.reserve(4 * max_bearing);
 }
 
@@ -32,6 +35,7 @@ void GroundSupport::collect(const BalanceModel& model, const BalanceInput& in) {
 
 void GroundSupport::find_bearing(const BalanceModel& model, const BalanceState& state) {
   bearing_.clear();
+  hovering_.clear();
   for (const FootContact& c : contacts_) {
     if (!state.feet[c.foot].stands || c.distance > model.options.touch) continue;
     const auto link = at(c.link);
@@ -50,8 +54,70 @@ void GroundSupport::find_bearing(const BalanceModel& model, const BalanceState& 
       return b.foot == static_cast<int>(f) &&
              (b.rise > slowest + model.options.lifting || (b.height > lowest + model.options.lifted && b.rise > slowest + 0.02));
     });
-    if (model.schedule.turns(f, state.time)) find_turn(model, f);
+    if (model.schedule.turns(f, state.time))
+      find_turn(model, f);
+    else if (state.feet[f].stands)
+      find_hovering(model, state, f);
   }
+}
+
+void GroundSupport::find_hovering(const BalanceModel& model, const BalanceState& state, std::size_t f) {
+  const BalanceOptions& o = model.options;
+  constexpr double edge = 0.01;   // m: bearing points that are this close to the edge stay
+  constexpr double level = 3e-3;  // m: on ground that is level within this height, measured soles keep their tilt
+  double lowest = 1e9, slowest = 1e9;
+  Vec3 low;
+  const auto reference = [&](const LinkPoint& point) {
+    const Pose& X = model.ref.X_WB[at(point.link)];
+    return X * point.location.p - Vec3{0, 0, point.location.radius};
+  };
+  const auto rise_of = [&](const LinkPoint& point, const Vec3& p) {
+    return dynamics::point_velocity(model.ref, point.link, p).z / state.rate;
+  };
+  for (const LinkPoint& point : model.feet[f].points) {
+    const Vec3 p = reference(point);
+    if (p.z < lowest) lowest = p.z, low = p;
+  }
+  for (const LinkPoint& point : model.feet[f].points) {
+    const Vec3 p = reference(point);
+    if (p.z < lowest + o.lifted) slowest = std::min(slowest, rise_of(point, p));
+  }
+  const std::size_t first = hovering_.size();
+  double lowest_ground = 1e9, highest_ground = -1e9;
+  Vec3 middle;
+  for (const LinkPoint& point : model.feet[f].points) {
+    const Vec3 wanted = reference(point);
+    // The sole of the reference is level within the tilt `flat`.
+    if (wanted.z > lowest + 0.5 * o.lifted + o.flat * norm(horizontal(wanted - low)) || rise_of(point, wanted) > slowest + o.lifting)
+      continue;
+    const Vec3 p = model.now.X_WB[at(point.link)] * point.location.p - Vec3{0, 0, point.location.radius};
+    const double ground = model.map_height(state, p) + state.loose, gap = p.z - ground;
+    lowest_ground = std::min(lowest_ground, ground);
+    highest_ground = std::max(highest_ground, ground);
+    if (gap < o.hover || gap > o.max_hover) continue;
+    hovering_.push_back({static_cast<int>(f), point.link, p, gap});
+    middle += p;
+  }
+  if (hovering_.size() == first || highest_ground - lowest_ground < level) {
+    hovering_.resize(first);
+    return;
+  }
+  middle = middle / static_cast<double>(hovering_.size() - first);
+  Vec3 bearing;
+  double count = 0;
+  for (const BearingPoint& b : bearing_)
+    if (b.foot == static_cast<int>(f)) bearing += b.p, count += 1;
+  if (count == 0) return;
+  const Vec3 way = normalized(horizontal(middle - bearing / count), {});
+  double most = -1e9;
+  for (const BearingPoint& b : bearing_)
+    if (b.foot == static_cast<int>(f)) most = std::max(most, dot(b.p, way));
+  // A foot that bears on both sides of the hovering points does not tip.
+  if (dot(middle, way) < most) {
+    hovering_.resize(first);
+    return;
+  }
+  std::erase_if(bearing_, [&](const BearingPoint& b) { return b.foot == static_cast<int>(f) && dot(b.p, way) < most - edge; });
 }
 
 void GroundSupport::find_turn(const BalanceModel& model, std::size_t f) {

@@ -25,6 +25,13 @@ struct BearingPoint {
   Vec3 slide;           // m/s, world: wanted velocity; zero, unless the reference turns on this foot
 };
 
+/// A point of a standing sole that is above the ground, although the reference has it on the ground.
+struct HoveringPoint {
+  int foot, link;
+  Vec3 p;      // m, world
+  double gap;  // m: height above the ground
+};
+
 /// Contacts of one tick, seen as support of a character.
 class GroundSupport {
  public:
@@ -48,6 +55,8 @@ class GroundSupport {
   /// Finds the points that bear load: close to the ground, on a foot that stands, and not lifted by the reference.
   void find_bearing(const BalanceModel& model, const BalanceState& state);
   [[nodiscard]] const std::vector<BearingPoint>& bearing() const { return bearing_; }
+  /// Points that the controller presses to the ground: the foot tips over an edge until its whole sole bears load.
+  [[nodiscard]] const std::vector<HoveringPoint>& hovering() const { return hovering_; }
 
   /// Computes the distance of p from the edge of the support: the convex hull, in the horizontal plane, of the contact points of a foot
   /// (-1: of all standing feet). @param closest [out] closest point of the hull @return m: signed distance, positive inside; -1000 if no
@@ -58,11 +67,15 @@ class GroundSupport {
   /// Sets the wanted velocities of the points of a foot that turns about a vertical axis.
   void find_turn(const BalanceModel& model, std::size_t foot);
 
+  /// Finds the hovering points of a standing foot, and removes its bearing points that are not at the edge over which it has to tip.
+  void find_hovering(const BalanceModel& model, const BalanceState& state, std::size_t foot);
+
   static constexpr double min_rise = 0.5;      // minimum z of a normal: a surface steeper than 60 degrees does not support a foot
   static constexpr double near_ground = 0.01;  // m: points closer than this span the support area
 
   std::vector<FootContact> contacts_;
   std::vector<BearingPoint> bearing_;
+  std::vector<HoveringPoint> hovering_;
   std::vector<int> touching_;  // [feet]
   std::vector<Vec3> hull_;     // scratch
 };
