@@ -175,6 +175,8 @@ class Stepper {
   [[nodiscard]] SolverOptions solver_options(double dt, bool careful) const;
   StepReport finish(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, const SolverReport& solved,
                     StepReport report);
+  [[nodiscard]] double kinetic_energy(std::size_t s, std::span<const double> v);
+  bool reduce_recovery();
   [[nodiscard]] int steps_before_hand_over(std::size_t s) const;
   bool hand_over();
   [[nodiscard]] bool is_movable(int system, int link) const;
@@ -215,6 +217,7 @@ class Stepper {
     int singular_dof = -1;                     // result of prepare(): DOF whose pivot is not positive; -1: none
     double loop_gap = 0;                       // m | rad: maximum gap of the system's loops, result of integrate_system()
     bool motion_failed = false;                // result of integrate_system(): see StepReport::failed_motions
+    bool deep = false;                         // true: a contact of this step overlaps by more than StepperOptions::deep_overlap
     double rolling_radius = 0;                 // m: radius of a free round body; 0 for all other systems
     bool free_body = false;                    // true: the system is one floating link
     bool springs = false;                      // true: at least one joint has a spring
@@ -250,6 +253,7 @@ class Stepper {
   std::vector<dynamics::Workspace> workspaces_;
   std::vector<SystemScratch> scratch_;
   VelocitySolver solver_;
+  double recovery_ = 1;                         // fraction of the recovery speeds of overlaps and joint limits; 0 in a repeated solution
   int handed_over_ = 0;                         // systems that TreeIsland handed over in this step
   std::vector<double> tree_work_;               // [systems] scratch of choose_methods()
   int max_dense_rows_ = DenseIsland::max_rows;  // maximum number of rows of an island for the dense solver

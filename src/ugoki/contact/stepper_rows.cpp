@@ -92,8 +92,9 @@ void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt
   frame[2] = t2;
   // Overlaps of this depth exist from the beginning. Their normals may contradict each other, and friction would then lock the bodies.
   const bool deep = gap < -StepperOptions::deep_overlap;
+  for (const Side& side : std::span(sides).first(count)) scratch_[side.s].deep = scratch_[side.s].deep || deep;
   const double wanted =
-      gap > 0 || forced ? -gap / dt : std::min(-gap / options_.recovery_time, (deep ? deep_recovery : 1) * options_.recovery_speed);
+      gap > 0 || forced ? -gap / dt : recovery_ * std::min(-gap / options_.recovery_time, (deep ? deep_recovery : 1) * options_.recovery_speed);
   const double target[3] = {free_n - wanted, dot(t1, free), dot(t2, free)};
   double first[3] = {0, 0, 0};  // the last impulse, in the frame of this step: n may turn slightly, and t1 with it by a right angle
   if (const Warm* warm = warm_.find(c.key))
@@ -213,7 +214,7 @@ int Stepper::add_joint_rows(std::size_t s, double dt) {
         double rate = 0;
         for (int c = 0; c < nv; ++c) rate += direction[c] * x.free_v[static_cast<std::size_t>(link.v_index + c)];
         if (room > 0 && room + dt * rate > 0) continue;
-        const double wanted = room > 0 ? -room / dt : std::min(-room / (5 * options_.recovery_time), 1.0);
+        const double wanted = room > 0 ? -room / dt : recovery_ * std::min(-room / (5 * options_.recovery_time), 1.0);
         add_row(
             RowKind::limit, link, direction, wanted, 0,
             limit_key | (static_cast<std::uint64_t>(s) << 40) | (static_cast<std::uint64_t>(at) << 4) | static_cast<std::uint64_t>(side));
