@@ -174,7 +174,7 @@ export class BodyField {
   }
 
   /** A lower bound of the distance from the link's surface: the distance from the boxes around its shapes, m. */
-  least_distance(link: FieldLink, x: number, y: number, z: number): number {
+  min_distance(link: FieldLink, x: number, y: number, z: number): number {
     let out = Infinity;
     for (const { into: m, extents, blend } of link.parts) {
       const u = Math.abs(m[0]! * x + m[1]! * y + m[2]! * z + m[3]!) - extents[0];

@@ -78,7 +78,7 @@ function mesh_of(field: BodyField, cells: number): { positions: Float32Array; in
     for (let kb = k0; kb <= k1; kb += block)
       for (let jb = j0; jb <= j1; jb += block)
         for (let ib = i0; ib <= i1; ib += block) {
-          if (field.least_distance(link, origin.x + h * ib + middle, origin.y + h * jb + middle, origin.z + h * kb + middle) > away) continue;
+          if (field.min_distance(link, origin.x + h * ib + middle, origin.y + h * jb + middle, origin.z + h * kb + middle) > away) continue;
           for (let k = kb; k < kb + block && k <= k1; k++)
             for (let j = jb; j < jb + block && j <= j1; j++) {
               const row = j + ny * k;
@@ -184,10 +184,10 @@ function weights_of(field: BodyField, positions: Float32Array): { links: Uint16A
   for (let i = 0; i < count; i++) {
     const [x, y, z] = [positions[3 * i]!, positions[3 * i + 1]!, positions[3 * i + 2]!];
     let nearest = 0;
-    let least = Infinity;
+    let smallest = Infinity;
     for (const link of field.links) {
       const d = field.link_distance(link, x, y, z);
-      if (d < least) [least, nearest] = [d, link.number];
+      if (d < smallest) [smallest, nearest] = [d, link.number];
     }
     const chosen = connected[nearest]!.map((link) => ({ link, d: field.link_distance(link, x, y, z) })).sort((a, b) => a.d - b.d).slice(0, 4);
     const first = chosen[0]!;
