@@ -196,7 +196,7 @@ export class BodyField {
     this.near = this.links.filter((l) => length(x - l.centre.x, y - l.centre.y, z - l.centre.z) - l.reach - l.blend < farthest + 1.01 * reach);
   }
 
-  /** Signed distance of a point from the body, m; exact near the surface only. The point must be where look_near() says. */
+  /** Signed distance of a point from the body, m; exact near the surface only. The point must be within the reach of the last look_near(). */
   distance(x: number, y: number, z: number): number {
     this.point++;
     let out = Infinity;
