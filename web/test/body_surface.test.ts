@@ -103,4 +103,38 @@ describe('the surface of a body', () => {
     const field = new BodyField(mechanism(links), poses);
     expect(field.distance(0, 0, 0.5)).toBeGreaterThan(0.03);
   });
+
+  it('has a lower bound of the distance from each link', () => {
+    const shapes = [
+      { type: 'sphere', radius: 0.07 },
+      { type: 'capsule', radius: 0.04, half_length: 0.2 },
+      { type: 'cylinder', radius: 0.05, half_length: 0.12 },
+      { type: 'ellipsoid', half_extents: [0.05, 0.09, 0.06] },
+      { type: 'box', half_extents: [0.1, 0.04, 0.02] },
+    ];
+    const body = mechanism(shapes.map((shape, i) => ({ label: `part ${i}`, parent: -1, at: [i, 0, 0], shape: { ...shape, pose: [0.01, 0.02, 0, 0.8, 0.6, 0, 0] } })));
+    const field = new BodyField(body, bind_poses(body));
+    let seed = 1;
+    const random = (): number => (seed = (seed * 1103515245 + 12345) % 2 ** 31) / 2 ** 31 - 0.5;
+    let [near, count] = [0, 0];
+    for (const link of field.links)
+      for (let i = 0; i < 2000; i++, count++) {
+        const [x, y, z] = [link.centre.x + random(), link.centre.y + random(), link.centre.z + random()];
+        const exact = field.link_distance(link, x, y, z);
+        const lower = field.min_distance(link, x, y, z);
+        if (exact > 0) expect(lower).toBeLessThan(1.3 * exact + 1e-9); // the field of an ellipsoid is up to 30 % below the distance
+        if (exact - lower < 1.1 * link.radius) near++;
+      }
+    expect(near / count).toBeGreaterThan(0.8); // the bound is not far below the distance
+  });
+
+  it('considers near a point the same links as everywhere', () => {
+    const field = new BodyField(chain, bind_poses(chain));
+    const all = new BodyField(chain, bind_poses(chain));
+    for (let i = 0; i < 200; i++) {
+      const [x, y, z] = [0.15 * Math.sin(i), 0.15 * Math.cos(3 * i), 0.012 * i];
+      field.look_near(x, y, z, 0.01);
+      expect(field.distance(x + 0.005, y - 0.005, z + 0.005)).toBe(all.distance(x + 0.005, y - 0.005, z + 0.005));
+    }
+  });
 });

@@ -13,12 +13,23 @@ function pose_matrix(p: readonly number[] | undefined): THREE.Matrix4 {
   return new THREE.Matrix4().compose(new THREE.Vector3(x, y, z), new THREE.Quaternion(qx, qy, qz, qw), no_scale);
 }
 
+const farthest = 0.1; // m: distance() skips links that are farther away
 const blend_of_radius = 0.8; // width of a blend per radius of the thinner link: a joint becomes up to 0.2 radii thicker
 
-/** One shape: its signed distance in its own frame, and the transform from the world of the bind pose into this frame. */
+/** One shape: its kind and sizes, and the transform from the world of the bind pose into its own frame. */
 interface Part {
-  into: THREE.Matrix4;
-  distance: (x: number, y: number, z: number) => number;
+  kind: 'round' | 'ellipsoid' | 'box';
+  /** Half of the length of the axis of a round shape, along z; half extents of the others; m. */
+  sizes: readonly [number, number, number];
+  /** Radius of a round shape and of the edges of a box, m. */
+  round: number;
+  /** Half extents of a box that contains the shape, m. */
+  extents: readonly [number, number, number];
+  /** Width of the blend with the other shapes of the link, m. */
+  blend: number;
+  /** The first three rows of the transform, row by row. */
+  into: Float64Array;
+  centre: THREE.Vector3;
   /** Radius of a sphere around the shape's origin that contains the shape, m. */
   reach: number;
   /** Half of the shape's smallest width, m. */
@@ -26,36 +37,51 @@ interface Part {
 }
 
 function part_of(shape: ShapeData, bind: THREE.Matrix4): Part | null {
-  const into = bind.clone().multiply(pose_matrix(shape.pose)).invert();
+  const inverse = bind.clone().multiply(pose_matrix(shape.pose)).invert();
+  const e = inverse.elements;
+  const into = Float64Array.of(e[0]!, e[4]!, e[8]!, e[12]!, e[1]!, e[5]!, e[9]!, e[13]!, e[2]!, e[6]!, e[10]!, e[14]!);
+  const centre = new THREE.Vector3().setFromMatrixPosition(inverse.clone().invert());
   const r = shape.radius ?? 0.05;
-  if (shape.type === 'sphere') return { into, distance: (x, y, z) => length(x, y, z) - r, reach: r, radius: r };
+  if (shape.type === 'sphere') return { kind: 'round', sizes: [0, 0, 0], round: r, extents: [r, r, r], blend: 0.5 * r, into, centre, reach: r, radius: r };
   if (shape.type === 'capsule' || shape.type === 'cylinder') {
     const half = Math.max(0, (shape.half_length ?? 0) - (shape.type === 'cylinder' ? r : 0));
-    return { into, distance: (x, y, z) => length(x, y, z - Math.max(-half, Math.min(half, z))) - r, reach: half + r, radius: r };
+    return { kind: 'round', sizes: [0, 0, half], round: r, extents: [r, r, half + r], blend: 0.5 * r, into, centre, reach: half + r, radius: r };
   }
   const [a, b, c] = shape.half_extents ?? [0.05, 0.05, 0.05];
   const smallest = Math.min(a, b, c);
-  if (shape.type === 'ellipsoid') {
-    // the usual first-order bound of the distance to an ellipsoid: exact on its surface
-    const distance = (x: number, y: number, z: number): number => {
-      const k0 = length(x / a, y / b, z / c);
-      const k1 = length(x / (a * a), y / (b * b), z / (c * c));
-      return k1 < 1e-9 ? -smallest : (k0 * (k0 - 1)) / k1;
-    };
-    return { into, distance, reach: Math.max(a, b, c), radius: smallest };
-  }
+  if (shape.type === 'ellipsoid') return { kind: 'ellipsoid', sizes: [a, b, c], round: 0, extents: [a, b, c], blend: 0.5 * smallest, into, centre, reach: Math.max(a, b, c), radius: smallest };
   if (shape.type !== 'box') return null;
-  const round = 0.7 * smallest; // a foot or a hand is round, its collision box is not
-  const distance = (x: number, y: number, z: number): number => {
-    const [u, v, w] = [Math.abs(x) - a + round, Math.abs(y) - b + round, Math.abs(z) - c + round];
-    return length(Math.max(u, 0), Math.max(v, 0), Math.max(w, 0)) + Math.min(0, Math.max(u, v, w)) - round;
-  };
-  return { into, distance, reach: length(a, b, c), radius: smallest };
+  // a foot or a hand is round, its collision box is not
+  return { kind: 'box', sizes: [a, b, c], round: 0.7 * smallest, extents: [a, b, c], blend: 0.5 * smallest, into, centre, reach: length(a, b, c), radius: smallest };
+}
+
+/** Signed distance of a point of the world from a shape, m. */
+function part_distance(part: Part, px: number, py: number, pz: number): number {
+  const { into: m, sizes, round } = part;
+  const x = m[0]! * px + m[1]! * py + m[2]! * pz + m[3]!;
+  const y = m[4]! * px + m[5]! * py + m[6]! * pz + m[7]!;
+  const z = m[8]! * px + m[9]! * py + m[10]! * pz + m[11]!;
+  const c = sizes[2];
+  if (part.kind === 'round') return length(x, y, z - Math.max(-c, Math.min(c, z))) - round;
+  const a = sizes[0];
+  const b = sizes[1];
+  if (part.kind === 'ellipsoid') {
+    // the usual first-order bound of the distance to an ellipsoid: exact on its surface
+    const k0 = length(x / a, y / b, z / c);
+    const k1 = length(x / (a * a), y / (b * b), z / (c * c));
+    return k1 < 1e-9 ? -part.radius : (k0 * (k0 - 1)) / k1;
+  }
+  const u = Math.abs(x) - a + round;
+  const v = Math.abs(y) - b + round;
+  const w = Math.abs(z) - c + round;
+  return length(Math.max(u, 0), Math.max(v, 0), Math.max(w, 0)) + Math.min(0, Math.max(u, v, w)) - round;
 }
 
 /** A link with its shapes in the bind pose. */
 export interface FieldLink {
   index: number;
+  /** Index into BodyField.links. */
+  number: number;
   parts: Part[];
   /** The nearest ancestor with shapes; null: none. */
   parent: FieldLink | null;
@@ -112,32 +138,49 @@ const smooth_min = (a: number, b: number, k: number): number => {
 
 export class BodyField {
   readonly links: FieldLink[] = [];
+  /** Links that distance() considers. */
+  private near: readonly FieldLink[];
+  /** Distances from the links that distance() has computed at its present point; `known_at` is the number of its point. */
+  private readonly known: Float64Array;
+  private readonly known_at: Int32Array;
+  private point = 0;
 
   constructor(mechanism: MechanismData, readonly bind: readonly THREE.Matrix4[]) {
     const by_index = new Map<number, FieldLink>();
     mechanism.links.forEach((link, index) => {
       const parts = link.shapes.map((s) => part_of(s, bind[index]!)).filter((p) => p !== null);
       if (parts.length === 0) return;
-      const centres = parts.map((p) => new THREE.Vector3().setFromMatrixPosition(p.into.clone().invert()));
-      const centre = centres.reduce((sum, c) => sum.add(c), new THREE.Vector3()).divideScalar(parts.length);
-      const reach = Math.max(...parts.map((p, i) => p.reach + centres[i]!.distanceTo(centre)));
+      const centre = parts.reduce((sum, p) => sum.add(p.centre), new THREE.Vector3()).divideScalar(parts.length);
+      const reach = Math.max(...parts.map((p) => p.reach + p.centre.distanceTo(centre)));
       let ancestor = link.parent;
       while (ancestor >= 0 && !by_index.has(ancestor)) ancestor = mechanism.links[ancestor]!.parent;
       const parent = by_index.get(ancestor) ?? null;
       const radius = Math.max(...parts.map((p) => p.radius));
-      const made: FieldLink = { index, parts, parent, centre, reach, radius, blend: blend_of_radius * Math.min(radius, parent?.radius ?? radius) };
+      const made: FieldLink = { index, number: this.links.length, parts, parent, centre, reach, radius, blend: blend_of_radius * Math.min(radius, parent?.radius ?? radius) };
       by_index.set(index, made);
       this.links.push(made);
     });
+    this.near = this.links;
+    this.known = new Float64Array(this.links.length);
+    this.known_at = new Int32Array(this.links.length);
   }
 
   /** Signed distance of a point from one link, m. */
   link_distance(link: FieldLink, x: number, y: number, z: number): number {
+    const { parts } = link;
+    let out = part_distance(parts[0]!, x, y, z);
+    for (let i = 1; i < parts.length; i++) out = smooth_min(out, part_distance(parts[i]!, x, y, z), parts[i]!.blend);
+    return out;
+  }
+
+  /** A lower bound of the distance from the link's surface: the distance from the boxes around its shapes, m. */
+  min_distance(link: FieldLink, x: number, y: number, z: number): number {
     let out = Infinity;
-    for (const part of link.parts) {
-      const e = part.into.elements;
-      const d = part.distance(e[0]! * x + e[4]! * y + e[8]! * z + e[12]!, e[1]! * x + e[5]! * y + e[9]! * z + e[13]!, e[2]! * x + e[6]! * y + e[10]! * z + e[14]!);
-      out = out === Infinity ? d : smooth_min(out, d, 0.5 * part.radius);
+    for (const { into: m, extents, blend } of link.parts) {
+      const u = Math.abs(m[0]! * x + m[1]! * y + m[2]! * z + m[3]!) - extents[0];
+      const v = Math.abs(m[4]! * x + m[5]! * y + m[6]! * z + m[7]!) - extents[1];
+      const w = Math.abs(m[8]! * x + m[9]! * y + m[10]! * z + m[11]!) - extents[2];
+      out = Math.min(out, length(Math.max(u, 0), Math.max(v, 0), Math.max(w, 0)) - blend);
     }
     return out;
   }
@@ -148,13 +191,32 @@ export class BodyField {
     return link.parent ? smooth_min(own, this.link_distance(link.parent, x, y, z), link.blend) : own;
   }
 
-  /** Signed distance of a point from the body, m; exact near the surface only. */
+  /** Prepares calls of distance() for points within `reach` (m) of a point: they skip the links that are too far away to matter. */
+  look_near(x: number, y: number, z: number, reach: number): void {
+    this.near = this.links.filter((l) => length(x - l.centre.x, y - l.centre.y, z - l.centre.z) - l.reach - l.blend < farthest + 1.01 * reach);
+  }
+
+  /** Signed distance of a point from the body, m; exact near the surface only. The point must be within the reach of the last look_near(). */
   distance(x: number, y: number, z: number): number {
+    this.point++;
     let out = Infinity;
-    for (const link of this.links) {
-      const far = length(x - link.centre.x, y - link.centre.y, z - link.centre.z) - link.reach - link.blend;
-      if (far < Math.min(out, 0.1)) out = Math.min(out, this.pair_distance(link, x, y, z));
+    for (const link of this.near) {
+      const { centre, parent } = link;
+      const far = length(x - centre.x, y - centre.y, z - centre.z) - link.reach - link.blend;
+      if (far >= Math.min(out, farthest)) continue;
+      const own = this.distance_here(link, x, y, z);
+      out = Math.min(out, parent ? smooth_min(own, this.distance_here(parent, x, y, z), link.blend) : own);
     }
     return out;
+  }
+
+  /** link_distance(), computed once for each point. */
+  private distance_here(link: FieldLink, x: number, y: number, z: number): number {
+    const { number } = link;
+    if (this.known_at[number] !== this.point) {
+      this.known_at[number] = this.point;
+      this.known[number] = this.link_distance(link, x, y, z);
+    }
+    return this.known[number]!;
   }
 }

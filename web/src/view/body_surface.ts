@@ -1,7 +1,7 @@
 /** The smooth surface of a body: the zero level of its distance field as one mesh, bound to the links with weights (linear blend skinning). */
 import * as THREE from 'three';
 import type { MechanismData } from '../core/protocol';
-import { BodyField, bind_poses, is_body, type FieldLink } from './body_field';
+import { BodyField, bind_poses, is_body } from './body_field';
 
 export interface BodySurface {
   /** Attributes position and normal (bind pose), skinIndex (links) and skinWeight. The draw range is the surface that is shown. */
@@ -20,6 +20,7 @@ export interface IndexRange {
 
 const shadow_cells_over_height = 65; // edges of shadows move by at most 2 mm, less than a texel of the shadow map
 const cells_over_height = 100; // 18 mm for a person of 1.8 m: fingers and toes of the samples have no shapes of their own
+const block = 4; // edge of a block of cells that is skipped if it is far from the surface, cells
 /** Maximum number of links of a body; sets the size of a uniform array of the shader, of which WebGL 2 guarantees 256 vectors. */
 export const max_links = 96;
 
@@ -35,7 +36,9 @@ export function make_body_surface(mechanism: MechanismData): BodySurface | null 
   positions.set(fine.positions);
   positions.set(coarse.positions, fine.positions.length);
   const first = fine.positions.length / 3;
-  const indices = new Uint32Array([...fine.indices, ...coarse.indices.map((i) => first + i)]);
+  const indices = new Uint32Array(fine.indices.length + coarse.indices.length);
+  indices.set(fine.indices);
+  for (let i = 0; i < coarse.indices.length; i++) indices[fine.indices.length + i] = first + coarse.indices[i]!;
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('position', new THREE.BufferAttribute(positions, 3));
   geometry.setAttribute('normal', new THREE.BufferAttribute(normals_of(field, positions), 3));
@@ -59,29 +62,55 @@ function mesh_of(field: BodyField, cells: number): { positions: Float32Array; in
   const origin = box.min.clone().subScalar(h);
   const values = new Float32Array(nx * ny * nz).fill(1);
   const at = (i: number, j: number, k: number): number => i + nx * (j + ny * k);
-  // each pair of links is evaluated only near its own link
+  // range of the cells that are evaluated in each row along x; the level is nowhere else
+  const begin = new Int32Array(ny * nz).fill(nx);
+  const end = new Int32Array(ny * nz);
+  // each pair of links is evaluated only near its own link, block by block
   for (const link of field.links) {
     const reach = link.reach + link.blend;
     const low = link.centre.clone().subScalar(reach).sub(origin).divideScalar(h).floor();
     const high = link.centre.clone().addScalar(reach).sub(origin).divideScalar(h).ceil();
-    for (let k = Math.max(0, low.z); k <= Math.min(nz - 1, high.z); k++)
-      for (let j = Math.max(0, low.y); j <= Math.min(ny - 1, high.y); j++)
-        for (let i = Math.max(0, low.x); i <= Math.min(nx - 1, high.x); i++) {
-          const value = field.pair_distance(link, origin.x + h * i, origin.y + h * j, origin.z + h * k);
-          const cell = at(i, j, k);
-          if (value < values[cell]!) values[cell] = value;
+    const [i0, j0, k0] = [Math.max(0, low.x), Math.max(0, low.y), Math.max(0, low.z)];
+    const [i1, j1, k1] = [Math.min(nx - 1, high.x), Math.min(ny - 1, high.y), Math.min(nz - 1, high.z)];
+    const middle = 0.5 * h * (block - 1);
+    // from the middle of a block to its corners, and two cells more: values beside the zero level are needed
+    const away = link.blend + Math.sqrt(3) * middle + 2 * h;
+    for (let kb = k0; kb <= k1; kb += block)
+      for (let jb = j0; jb <= j1; jb += block)
+        for (let ib = i0; ib <= i1; ib += block) {
+          if (field.min_distance(link, origin.x + h * ib + middle, origin.y + h * jb + middle, origin.z + h * kb + middle) > away) continue;
+          for (let k = kb; k < kb + block && k <= k1; k++)
+            for (let j = jb; j < jb + block && j <= j1; j++) {
+              const row = j + ny * k;
+              begin[row] = Math.min(begin[row]!, ib);
+              end[row] = Math.max(end[row]!, Math.min(ib + block - 1, i1) + 1);
+              for (let i = ib; i < ib + block && i <= i1; i++) {
+                const value = field.pair_distance(link, origin.x + h * i, origin.y + h * j, origin.z + h * k);
+                const cell = at(i, j, k);
+                if (value < values[cell]!) values[cell] = value;
+              }
+            }
         }
   }
   const vertex = new Int32Array(values.length).fill(-1);
   const positions: number[] = [];
   const corners = [0, 1, nx, nx + 1, nx * ny, nx * ny + 1, nx * ny + nx, nx * ny + nx + 1];
-  const edges = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]] as const;
+  const edges = [0, 1, 2, 3, 4, 5, 6, 7, 0, 2, 1, 3, 4, 6, 5, 7, 0, 4, 1, 5, 2, 6, 3, 7]; // pairs of corners
   for (let k = 0; k < nz - 1; k++)
     for (let j = 0; j < ny - 1; j++)
-      for (let i = 0; i < nx - 1; i++) {
+      for (let i = begin[j + ny * k]!, last = Math.min(end[j + ny * k]!, nx - 1); i < last; i++) {
         const base = at(i, j, k);
-        let [x, y, z, count] = [0, 0, 0, 0];
-        for (const [a, b] of edges) {
+        const inside = values[base]! < 0;
+        let c = 1;
+        while (c < 8 && values[base + corners[c]!]! < 0 === inside) c++;
+        if (c === 8) continue;
+        let x = 0;
+        let y = 0;
+        let z = 0;
+        let count = 0;
+        for (let edge = 0; edge < edges.length; edge += 2) {
+          const a = edges[edge]!;
+          const b = edges[edge + 1]!;
           const va = values[base + corners[a]!]!;
           const vb = values[base + corners[b]!]!;
           if (va < 0 === vb < 0) continue;
@@ -91,7 +120,6 @@ function mesh_of(field: BodyField, cells: number): { positions: Float32Array; in
           z += (a >> 2) + t * ((b >> 2) - (a >> 2));
           count++;
         }
-        if (count === 0) continue;
         vertex[base] = positions.length / 3;
         positions.push(origin.x + h * (i + x / count), origin.y + h * (j + y / count), origin.z + h * (k + z / count));
       }
@@ -99,7 +127,7 @@ function mesh_of(field: BodyField, cells: number): { positions: Float32Array; in
   const steps = [1, nx, nx * ny];
   for (let k = 1; k < nz - 1; k++)
     for (let j = 1; j < ny - 1; j++)
-      for (let i = 1; i < nx - 1; i++) {
+      for (let i = Math.max(1, begin[j + ny * k]!), last = Math.min(end[j + ny * k]!, nx - 1); i < last; i++) {
         const base = at(i, j, k);
         const inside = values[base]! < 0;
         for (let axis = 0; axis < 3; axis++) {
@@ -119,6 +147,7 @@ function settle(field: BodyField, positions: Float32Array, h: number): Float32Ar
   for (let round = 0; round < 2; round++)
     for (let i = 0; i < positions.length; i += 3) {
       const [x, y, z] = [positions[i]!, positions[i + 1]!, positions[i + 2]!];
+      field.look_near(x, y, z, e);
       const d = field.distance(x, y, z);
       const gx = (field.distance(x + e, y, z) - d) / e;
       const gy = (field.distance(x, y + e, z) - d) / e;
@@ -139,6 +168,7 @@ function normals_of(field: BodyField, positions: Float32Array): Float32Array {
   const n = new THREE.Vector3();
   for (let i = 0; i < positions.length; i += 3) {
     const [x, y, z] = [positions[i]!, positions[i + 1]!, positions[i + 2]!];
+    field.look_near(x, y, z, e);
     n.set(field.distance(x + e, y, z) - field.distance(x - e, y, z), field.distance(x, y + e, z) - field.distance(x, y - e, z), field.distance(x, y, z + e) - field.distance(x, y, z - e)).normalize();
     n.toArray(out, i);
   }
@@ -150,12 +180,17 @@ function weights_of(field: BodyField, positions: Float32Array): { links: Uint16A
   const count = positions.length / 3;
   const links = new Uint16Array(4 * count);
   const weights = new Float32Array(4 * count);
-  const connected = (a: FieldLink, b: FieldLink): boolean => a === b || a.parent === b || b.parent === a;
+  const connected = field.links.map((a) => field.links.filter((b) => a === b || a.parent === b || b.parent === a));
   for (let i = 0; i < count; i++) {
     const [x, y, z] = [positions[3 * i]!, positions[3 * i + 1]!, positions[3 * i + 2]!];
-    const near = field.links.map((link) => ({ link, d: field.link_distance(link, x, y, z) })).sort((a, b) => a.d - b.d);
-    const first = near[0]!;
-    const chosen = near.filter((n) => connected(first.link, n.link)).slice(0, 4);
+    let nearest = 0;
+    let smallest = Infinity;
+    for (const link of field.links) {
+      const d = field.link_distance(link, x, y, z);
+      if (d < smallest) [smallest, nearest] = [d, link.number];
+    }
+    const chosen = connected[nearest]!.map((link) => ({ link, d: field.link_distance(link, x, y, z) })).sort((a, b) => a.d - b.d).slice(0, 4);
+    const first = chosen[0]!;
     let sum = 0;
     chosen.forEach((n, k) => {
       const width = 0.5 * Math.min(first.link.radius, n.link.radius);
