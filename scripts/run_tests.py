@@ -174,7 +174,7 @@ def run_all(options):
     if options.web:
         report(timed(vitest_suite, root, results))
     if options.e2e:
-        report(timed(lines_suite, "e2e", ["npm", "run", "--silent", "e2e"], BROWSER_SECONDS, cwd=root / "web"))
+        report(timed(lines_suite, "e2e", ["npm", "run", "--silent", "e2e"] + (["--", "--slow"] if options.slow else []), BROWSER_SECONDS, cwd=root / "web"))
     if options.export:
         report(timed(lines_suite, "export", ["node", "e2e/export.mjs"] + (["--slow"] if options.slow else []),
                      SLOW_SECONDS if options.slow else FAST_SECONDS, cwd=root / "web"))

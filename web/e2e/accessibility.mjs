@@ -5,6 +5,7 @@ import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
 import { leg_swing_bvh } from './library.mjs';
 import { mock } from './service.mjs';
+import { crowded, resize, windows } from './windows.mjs';
 
 const skip = mock && 'the mock service has no library and no circuit';
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
@@ -22,7 +23,7 @@ export async function violations(page) {
 const escape = (page) => page.keyboard.press('Escape');
 
 /** Views of the page: name, function that opens the view, and, if needed, function that leaves it. */
-const views = [
+export const views = [
   ['the scenario', (page) => page.locator('.scenario').click({ position: { x: 400, y: 6 } })],
   ['a selected clip', (page) => page.locator('.clip').first().click()],
   ['the menu of a clip', (page) => page.locator('.clip').first().click({ button: 'right' }), escape],
@@ -59,7 +60,7 @@ const pause = async (page) => {
 };
 
 /** Views that need a circuit, a simulation or a file. */
-const deep_views = [
+export const deep_views = [
   ['the circuit', async (page) => {
     await tab(page, 'Circuit');
     await page.locator('.circuit[role=application]').waitFor();
@@ -164,40 +165,28 @@ const deep_views = [
   ['Open project', (page) => page.keyboard.press('Control+o'), escape],
 ];
 
-/** Widths and heights of the window, CSS px. A window of 1440 x 900 at a zoom of 150 % has 960 x 600 CSS px. */
-const windows = [[1024, 640], [1280, 720], [1440, 900], [960, 600], [3840, 2160]];
-
-/** Names of controls that are covered or cut, and of neighbours in the top bar that overlap. Panels that scroll may cut their controls. */
-const crowded = (page) =>
-  page.evaluate(() => {
-    const bad = [];
-    for (const e of document.querySelectorAll('button, input, select, [role=tab], [role=slider], .clock, .toast')) {
-      const b = e.getBoundingClientRect();
-      if (b.width === 0 || b.height === 0 || getComputedStyle(e).visibility === 'hidden' || e.closest('.cube, .react-flow')) continue;
-      const name = e.getAttribute('aria-label') ?? e.textContent.slice(0, 30);
-      let scrolls = false;
-      let cut = b.left < -1 || b.top < -1 || b.right > innerWidth + 1 || b.bottom > innerHeight + 1;
-      for (let p = e.parentElement; p; p = p.parentElement) {
-        const { overflowX, overflowY } = getComputedStyle(p);
-        const q = p.getBoundingClientRect();
-        if (/auto|scroll/.test(overflowY)) scrolls = true;
-        if (overflowX !== 'visible') cut ||= b.left < q.left - 1 || b.right > q.right + 1;
-        if (overflowY !== 'visible') cut ||= b.top < q.top - 1 || b.bottom > q.bottom + 1;
-      }
-      const [dx, dy] = [b.width / 2 - 3, b.height / 2 - 3]; // the middle, and points inside of the corners
-      const over = [[0, 0], [-dx, -dy], [dx, -dy], [-dx, dy], [dx, dy]]
-        .map(([x, y]) => document.elementFromPoint((b.left + b.right) / 2 + x, (b.top + b.bottom) / 2 + y))
-        .find((at) => at && !e.contains(at) && !at.contains(e));
-      if (cut && !scrolls) bad.push(`${name} is cut`);
-      else if (over && !scrolls) bad.push(`${name} is covered by ${over.className || over.tagName}`);
+/** Opens each view, gives the window each size, and fails with the list of all controls that are covered or cut. @param whole also with axe-core, and pictures */
+async function check_windows(page, list, sizes, whole = false) {
+  const bad = [];
+  const theme = await page.evaluate(() => document.documentElement.dataset.theme);
+  for (const [name, open, leave] of list) {
+    try {
+      await open(page);
+    } catch (error) {
+      throw new Error(`${name} (${theme}) does not open: ${error.message}; found before: ${bad.join('\n')}`, { cause: error });
     }
-    const bar = [...document.querySelectorAll('.topbar button, .topbar select, .topbar .clock, .topbar .brand')].map((e) => ({ e, b: e.getBoundingClientRect() })).filter(({ b }) => b.width > 0);
-    bar.forEach(({ e, b }, i) => {
-      const next = bar[i + 1];
-      if (next && b.right > next.b.left + 0.5 && !e.contains(next.e)) bad.push(`${e.getAttribute('aria-label') ?? e.textContent} overlaps ${next.e.getAttribute('aria-label') ?? next.e.textContent}`);
-    });
-    return bad;
-  });
+    for (const [width, height] of sizes) {
+      await resize(page, [width, height]);
+      const found = await crowded(page);
+      if (whole && (width < 900 || width === 1440)) found.push(...(await violations(page)));
+      for (const line of new Set(found)) bad.push(`${name}, ${width} x ${height} (${theme}): ${line}`);
+      if (whole || process.env.UGOKI_PICTURES === '1') await page.screenshot({ path: `${pictures}view-${name.replaceAll(' ', '-')}-${width}-${theme}.png` });
+    }
+    await resize(page, [1440, 900]);
+    await leave?.(page);
+  }
+  assert.ok(bad.length === 0, `found:\n${bad.join('\n')}`);
+}
 
 export const accessibility_journeys = [
   {
@@ -262,7 +251,7 @@ export const accessibility_journeys = [
     },
   },
   {
-    name: 'access: in windows from 960 x 600 to 4K nothing is covered or cut, and the viewport takes the change of size',
+    name: 'access: in windows from 853 x 480 to 4K nothing is covered or cut, and the viewport takes the change of size',
     async run({ page }) {
       const bad = [];
       const widths = () => page.evaluate(() => ['.library', '.inspector'].map((s) => Math.round(document.querySelector(s).getBoundingClientRect().width)));
@@ -272,7 +261,7 @@ export const accessibility_journeys = [
         await page.setViewportSize({ width, height });
         await page.waitForTimeout(1200);
         for (const line of await crowded(page)) bad.push(`${width} x ${height}: ${line}`);
-        if (width < 2400) {
+        if (width >= 960 && width < 2400) {
           assert.deepEqual(await widths(), before, `${width} x ${height}: the side panels keep their width`);
           await page.screenshot({ path: `${pictures}window-${width}.png` });
         }
@@ -280,6 +269,21 @@ export const accessibility_journeys = [
       await page.setViewportSize({ width: 1440, height: 900 });
       await page.waitForTimeout(1200);
       assert.deepEqual(bad, []);
+    },
+  },
+  {
+    name: 'access: no control of any view is covered or cut at 853 x 480',
+    run: ({ page }) => check_windows(page, [...views, ...deep_views], windows.slice(0, 1)),
+  },
+  {
+    name: 'access: every view in every size of the window, in both themes, with axe-core',
+    slow: true,
+    async run({ page }) {
+      for (let round = 0; round < 2; round++) {
+        await check_windows(page, [...views, ...deep_views], windows, true);
+        await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+        await page.waitForTimeout(200);
+      }
     },
   },
 ].map((journey) => ({ ...journey, skip }));

@@ -35,13 +35,13 @@ export function table(port, token) {
   const add = (what, path, status, { method = 'GET', headers = good, body = '' } = {}) => rows.push({ what, method, path, headers, body, status: [status].flat() });
 
   // access: each of these paths with eight kinds of headers
-  const guarded = ['/api/library', '/api/library/tags', '/api/entry/x', '/api/thumbnail/x', '/api/mechanism/human', '/api/motion/human-walk', '/api/contacts/human-walk', '/api/export/csv', '/ws'];
+  const guarded = ['/api/library', '/api/library/tags', '/api/entry/x', '/api/thumbnail/x', '/api/mechanism/human', '/api/motion/human-walk', '/api/contacts/human-walk', '/api/export/csv', '/api/sweeps', '/api/sweeps/rows?table=x.db', '/api/sweeps/csv?table=x.db', '/api/sweeps/plot?table=x.db', '/api/reference-character', '/ws'];
   for (const path of guarded) {
     add('no token', path, 401, { headers: { Host: host } });
     add('wrong token', path, 401, { headers: { Host: host, Authorization: 'Bearer wrong' } });
     add('shorter token', path, 401, { headers: { Host: host, Authorization: `Bearer ${token.slice(0, -1)}` } });
     add('another scheme', path, 401, { headers: { Host: host, Authorization: `Basic ${token}` } });
-    add('token in the query', `${path}?token=${token}`, 401, { headers: { Host: host } });
+    add('token in the query', `${path}${path.includes('?') ? '&' : '?'}token=${token}`, 401, { headers: { Host: host } });
     add('token in a cookie', path, 401, { headers: { Host: host, Cookie: `ugoki_${port}=${token}` } });
     add('foreign host', path, 403, { headers: { ...good, Host: 'evil.example' } });
     add('host of another port', path, 403, { headers: { ...good, Host: '127.0.0.1:1' } });
@@ -62,6 +62,14 @@ export function table(port, token) {
   // values out of range
   for (const query of ['limit=0', 'limit=501', 'limit=-1', 'limit=x', 'limit=1e9', 'order=random', 'kind=lsi', 'after=x']) add('a value out of range', `/api/library?${query}`, 400);
   for (const height of ['0', '-1', '3.1', 'x', 'nan', '1e300']) add('a height out of range', `/api/reference-character?height=${height}`, 400);
+  // tables of results: only tables are read, wherever they are
+  for (const kind of ['rows', 'csv', 'plot']) {
+    for (const file of ['', 'nothing.db', '/etc/passwd', '../../../../etc/passwd', '..%2f..%2f..%2fetc%2fpasswd', '/proc/self/environ', '/dev/zero', '/', '.', '%00', 'x.db%00', `${'a'.repeat(5000)}`, 'sample.ugoki', 'library.db', 'file:///etc/passwd', 'sweep=nothing', "sweep=x';DROP TABLE runs"])
+      add('a table that is not one', `/api/sweeps/${kind}?table=${file.replaceAll(' ', '%20').replaceAll("'", '%27')}&x=a&y=b`, [400, 404]);
+    add('a request without a table', `/api/sweeps/${kind}`, [400, 404]);
+  }
+  add('not an address', '/api/sweeps/nothing?table=x.db', [400, 404]);
+  add('the tables', '/api/sweeps', 200);
   // methods
   for (const method of ['PUT', 'DELETE', 'PATCH', 'OPTIONS', 'TRACE', 'CONNECT', 'FOO']) {
     add('another method', '/', [400, 404, 405, 501], { method, headers: { Host: host } });
@@ -96,6 +104,13 @@ const messages = [
   '{"id": 1, "op": "seek", "time": 1e300}', '{"id": 1, "op": "mode", "mode": "dream"}', '{"id": 1, "op": "open", "path": "/etc/passwd"}', '{"id": 1, "op": "open", "path": "../../../etc/passwd"}', '{"id": 1, "op": "open", "path": ""}',
   '{"id": 1, "op": "new", "path": "/nowhere/at/all", "from": "empty"}', '{"id": 1, "op": "new", "path": "x", "from": "castle"}', '{"id": 1, "op": "new", "path": ".hidden", "from": "empty"}', '{"id": 1, "op": "save", "path": "/proc/x"}',
   '{"id": 1, "op": "motion"}', '{"id": 1, "op": "motion", "task": "t", "character": "human", "clip": "k1", "operation": "twist"}', '{"id": 1, "op": "pose", "character": "nobody"}', '{"id": 1, "op": "curves", "character": 3}',
+  ...['gait', 'gaits', 'pose', 'poses', 'curves', 'joints', 'motion'].flatMap((op) => [`{"id": 1, "op": "${op}"}`, `{"id": 1, "op": "${op}", "character": "nobody"}`, `{"id": 1, "op": "${op}", "character": ["human"], "clip": {}}`]),
+  '{"id": 1, "op": "gait", "task": "t", "character": "human", "gait": {"kind": "fly"}}', '{"id": 1, "op": "gait", "task": "t", "character": "human", "gait": {"kind": "walk", "speed": -1}}',
+  '{"id": 1, "op": "gait", "task": "t", "character": "human", "gait": {"kind": "walk", "speed": 1e9}}', '{"id": 1, "op": "gait", "task": "t", "character": "human", "gait": {"kind": "walk", "duration": 1e9}}',
+  '{"id": 1, "op": "gait", "task": "t", "character": "human", "gait": {"kind": "walk", "path": [[0, 0], [1e300, 0]]}}', '{"id": 1, "op": "gait", "task": 3, "character": "human", "gait": 7}',
+  '{"id": 1, "op": "breakpoints", "list": 3}', '{"id": 1, "op": "breakpoints", "list": [{"condition": 3}]}', '{"id": 1, "op": "watch", "pins": 3}', '{"id": 1, "op": "remember", "choices": "dark"}', '{"id": 1, "op": "step", "frames": "x"}',
+  '{"id": 1, "op": "grab", "character": "nobody", "link": 0, "point": [0, 0, 0], "target": [0, 0, 0]}', '{"id": 1, "op": "grab", "character": "human", "link": -1, "point": [0, 0], "target": 3}', '{"id": 1, "op": "push", "character": "human", "link": 1e9, "force": [1, 2, 3], "duration": 1}',
+  '{"id": 1, "op": "play", "speed": -1}', '{"id": 1, "op": "play", "speed": "fast"}',
 ];
 
 /** Opens a WebSocket by hand and sends text messages; @return the replies, in order, as text */
@@ -134,7 +149,7 @@ export const request_journeys = [
       const refused = replies.filter((text) => /"error"|"ok":false/.test(text)).length;
       const hello = replies.find((text) => text.includes('"reply":4711'));
       if (!hello?.includes('"ok":true')) wrong.push('the studio does not answer after the messages');
-      if (refused < messages.length - 8) wrong.push(`only ${refused} of ${messages.length} messages were refused`);
+      if (refused < messages.length - 8) wrong.push(`only ${refused} of ${messages.length} messages were refused: ${replies.join('\n').slice(0, 6000)}`);
       if (replies.some((text) => /root:.*:0:0/.test(text))) wrong.push('a message returned the content of a file');
       assert.deepEqual(wrong, []);
     },

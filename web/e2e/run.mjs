@@ -1,4 +1,5 @@
-// npm run e2e [-- words[|words]]: runs the first journey and those whose names contain the words (one of the groups of words); prints one line for each and the counts.
+// npm run e2e [-- [--slow] words[|words]]: runs the first journey and those whose names contain the words (one of the groups of words); prints one
+// line for each and the counts. With --slow also those that take minutes.
 // A journey that fails runs a second time in the restored studio, because a busy machine can miss a time limit; its line names the first failure.
 // The viewport is drawn at a low resolution, because Chromium draws with the processor; with UGOKI_PICTURES=1 at full resolution, for people
 // who look at the pictures in out/.
@@ -7,8 +8,9 @@ import { launch } from './browser.mjs';
 import { journeys as all } from './journeys.mjs';
 import { available, program, start_service } from './service.mjs';
 
-const choices = process.argv.slice(2).join(' ').split('|').map((words) => words.trim());
-const journeys = all.filter((journey, i) => i === 0 || choices.some((words) => journey.name.includes(words)));
+const slow = process.argv.includes('--slow');
+const choices = process.argv.slice(2).filter((word) => word !== '--slow').join(' ').split('|').map((words) => words.trim());
+const journeys = all.filter((journey, i) => (slow || !journey.slow) && (i === 0 || choices.some((words) => journey.name.includes(words))));
 
 let passed = 0;
 let failed = 0;

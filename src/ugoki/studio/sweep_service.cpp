@@ -26,7 +26,10 @@ Result<sweep::TableAddress> address_of(const ApiRequest& request, const SweepPla
     return sweep::TableAddress{places.library, name};
   }
   const std::string name = query_value(request.query, "table").value_or("");
-  const std::filesystem::path path = std::filesystem::path(places.folder) / name;  // an absolute name replaces the folder
+  const std::filesystem::path named = std::filesystem::path(name).lexically_normal();
+  if (named.is_relative() && !named.empty() && *named.begin() == "..")
+    return fail(ErrorCode::unknown, name.substr(0, 400), "A table without a full path must be in the folder of the project.", "Give the full path of the file.");
+  const std::filesystem::path path = std::filesystem::path(places.folder) / named;  // an absolute name replaces the folder
   std::error_code none;
   if (name.empty() || !std::filesystem::is_regular_file(path, none))
     return fail(ErrorCode::unknown, name.empty() ? "table" : name.substr(0, 400), "There is no such file.",

@@ -17,8 +17,13 @@ export function Menu({ x, y, items, close, over = false, label }: { x: number; y
   useLayoutEffect(() => {
     const menu = element.current;
     if (!over || !menu) return;
-    menu.style.left = `${Math.max(4, Math.min(x, window.innerWidth - menu.offsetWidth - 4))}px`;
-    menu.style.top = `${Math.max(4, Math.min(y, window.innerHeight - menu.offsetHeight - 4))}px`;
+    const place = (): void => {
+      menu.style.left = `${Math.max(4, Math.min(x, window.innerWidth - menu.offsetWidth - 4))}px`;
+      menu.style.top = `${Math.max(4, Math.min(y, window.innerHeight - menu.offsetHeight - 4))}px`;
+    };
+    place();
+    window.addEventListener('resize', place);
+    return () => window.removeEventListener('resize', place);
   }, [over, x, y]);
   // a closed menu returns the focus to the element that had it before; otherwise the page would receive the keys instead of the panel
   useEffect(() => {

@@ -13,7 +13,7 @@ import { gaits, page, parts, poser, registry, session, useControls, usePage, use
 import { FilmFrame, ThroughChoice } from './film/ThroughBar';
 import { PathOverlay } from './motion/PathOverlay';
 import { PlayControlsBar } from './PlayControlsBar';
-import { PoseHandles, PoseLabels, PoseTools } from './posing/PoseOverlay';
+import { PoseHandles, PoseLabels, PoseTools, ToolChoice } from './posing/PoseOverlay';
 import { ViewCube } from './ViewCube';
 
 export function ViewportPanel(): ReactElement {
@@ -107,7 +107,10 @@ export function ViewportPanel(): ReactElement {
         </div>
       )}
       {viewport && <FilmFrame viewport={viewport} />}
-      <ViewOptionsBar />
+      <div className="viewport-top">
+        <ViewOptionsBar />
+        <ToolChoice />
+      </div>
       {viewport && <ViewCube viewport={viewport} />}
       {viewport && <PathOverlay viewport={viewport} />}
       {viewport && <PoseHandles viewport={viewport} />}

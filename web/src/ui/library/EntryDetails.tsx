@@ -19,7 +19,7 @@ export function EntryDetails({ entry, doc }: { entry: LibraryEntry; doc: Scenari
   row('Duration', entry.duration !== undefined && `${entry.duration.toFixed(2)} s`);
   row('Frames', entry.frames !== undefined && entry.kind === 'motion' && `${entry.frames}${entry.rate ? ` at ${format_number(entry.rate, 2)} Hz` : ''}`);
   row('Mechanism', entry.kind === 'motion' && body?.name);
-  row('Degrees of freedom', entry.dofs !== undefined && String(entry.dofs));
+  row('DOF', entry.dofs !== undefined && String(entry.dofs));
   row('Height', entry.height !== undefined && entry.height > 0 && format_length(entry.height));
   row('Mass', entry.mass !== undefined && format_mass(entry.mass));
   row('Source', entry.source);

@@ -412,7 +412,7 @@ function Foot(): ReactElement {
     <div className="library-foot">
       <span className="what" role="status">
         {status === 'ready' && (count === 1 ? '1 entry' : `${count.toLocaleString('en-US')}${exact ? '' : '+'} entries`)}
-        {trash && ' in the trash'}
+        {trash && ' in trash'}
       </span>
       <select aria-label="Sort order" title="Sort order" value={order ?? ''} onChange={(e) => library.filter({ order: (e.target.value || null) as LibraryOrder | null })}>
         <option value="">{query.trim() ? 'Best match' : 'By name'}</option>

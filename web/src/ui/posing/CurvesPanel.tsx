@@ -115,6 +115,7 @@ export function CurvesPanel(): ReactElement {
     void poser.edit_keys({ character, clip: clip.id }, layer, { take }, take.length === 1 ? 'Remove key' : `Remove ${take.length} keys`);
     set_picks([]);
   };
+  const status = picks.length > 0 ? `${picks.length === 1 ? '1 key' : `${picks.length} keys`} selected · ${picks[0]!.time.toFixed(2)} s in the motion` : layer && layer.joints.length > 0 ? 'Drag keys to move them; Alt breaks a tangent.' : curves.length > 0 ? 'No keys yet. Press E and turn the joint to set one.' : '';
   return (
     <div className="panel curves" role="group" aria-label="Curves">
       <div className="curves-side">
@@ -141,7 +142,7 @@ export function CurvesPanel(): ReactElement {
             <button key={tangent} type="button" aria-label={label} title={`${label} for the selected keys`} disabled={!layer || picks.length === 0} onClick={() => layer && edit(set_tangent(layer, picks, tangent), 'Set tangents')}><Icon name={tangent} /></button>
           ))}
           <button type="button" disabled={!layer || picks.length === 0} title="Remove the selected keys  (Del)" onClick={remove}>Delete</button>
-          <span className="curves-status">{picks.length > 0 ? `${picks.length === 1 ? '1 key' : `${picks.length} keys`} selected · ${picks[0]!.time.toFixed(2)} s in the motion` : layer && layer.joints.length > 0 ? 'Drag keys to move them; Alt breaks a tangent.' : curves.length > 0 ? 'No keys yet. Press E and turn the joint to set one.' : ''}</span>
+          <span className="curves-status" title={status}>{status}</span>
           {curves.length > 0 && (
             <span className="curves-legend" aria-hidden="true">
               <span><i />with keys</span>

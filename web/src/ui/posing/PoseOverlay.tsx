@@ -18,6 +18,19 @@ const key_hint = (id: string): string => {
   return key ? `  (${show_key(key)})` : '';
 };
 
+/** The tools of the viewport: select, or pose. */
+export function ToolChoice(): ReactElement | null {
+  const on = usePoser((s) => s.on);
+  const empty = useStudio((s) => (s.document?.characters.length ?? 0) === 0);
+  if (empty) return null;
+  return (
+    <div className="pose-tools" role="toolbar" aria-label="Tools" aria-orientation="vertical">
+      <button type="button" aria-pressed={!on} aria-label="Select" title="Select and place characters" onClick={() => poser.switch_on(false)}><Icon name="pointer" /></button>
+      <button type="button" aria-pressed={on} aria-label="Pose" title={`Pose: rotate joints, drag hands and feet${key_hint('pose.tool')}`} onClick={() => poser.switch_on(true)}><Icon name="pose" /></button>
+    </div>
+  );
+}
+
 export function PoseTools(): ReactElement | null {
   const on = usePoser((s) => s.on);
   const moves = usePoser((s) => s.moves);
@@ -40,10 +53,6 @@ export function PoseTools(): ReactElement | null {
   if (empty) return null;
   return (
     <>
-      <div className="pose-tools" role="toolbar" aria-label="Tools" aria-orientation="vertical">
-        <button type="button" aria-pressed={!on} aria-label="Select" title="Select and place characters" onClick={() => poser.switch_on(false)}><Icon name="pointer" /></button>
-        <button type="button" aria-pressed={on} aria-label="Pose" title={`Pose: rotate joints, drag hands and feet${key_hint('pose.tool')}`} onClick={() => poser.switch_on(true)}><Icon name="pose" /></button>
-      </div>
       {on && (
         <div className="pose-bar" role="toolbar" aria-label="Posing">
           <span className="segments" role="group" aria-label="Drag moves">
