@@ -20,9 +20,8 @@ constexpr std::size_t max_handed_over = 512, max_closed_handed_over = 256;
 // system which has come to rest returns to TreeIsland. Measured with chains of 50 to 300 links that fall (docs/design/contact.md).
 constexpr int min_steps_before_hand_over = 8;
 constexpr double work_of_step = 60;
-// Maximum kinetic energy that the recovery from deep overlaps may cause, relative to that of all mass at the recovery speed. With 0.25
-// bodies in the ground rise too slowly; with 1.5 limbs reach 3 m/s. Tests: overlap_test.cpp.
-constexpr double max_recovery_energy = 0.8;
+// Maximum speed of a link that the recovery from deep overlaps may cause, relative to the recovery speed. Tests: overlap_test.cpp.
+constexpr double max_speed_ratio = 4;
 
 /// m: radius of a body whose only colliding shape is round, so that it can roll; 0 for every other body.
 double rolling_radius(const Link& link) {
@@ -145,42 +144,44 @@ void Stepper::choose_methods(std::span<const collision::ContactPoint> contacts) 
   }
 }
 
-/// Kinetic energy of a system with velocity v, in J. Overwrites free_motion.
-double Stepper::kinetic_energy(std::size_t s, std::span<const double> v) {
+/// Maximum speed of the links' origins at the velocity v, in m/s; NaN if v is not finite. Overwrites free_motion.
+double Stepper::max_speed(std::size_t s, std::span<const double> v) {
   SystemScratch& x = scratch_[s];
   const dynamics::Workspace& ws = workspaces_[s];
   const std::span<const int> parents = mechanisms_[s]->dof_parents();
   x.has_free_motion = false;
-  double twice = 0;
   for (std::size_t k = 0; k < v.size(); ++k) {
     const Vec6 own = ws.S[k] * v[k];
     x.free_motion[k] = parents[k] < 0 ? own : x.free_motion[static_cast<std::size_t>(parents[k])] + own;
-    twice += ws.dofs[k].armature * v[k] * v[k];
   }
-  for (std::size_t i = 0; i < ws.I.size(); ++i) {
+  double largest = 0;
+  for (std::size_t i = 0; i < ws.link_chain.size(); ++i) {
     if (ws.link_chain[i] < 0) continue;
     const Vec6& V = x.free_motion[static_cast<std::size_t>(ws.link_chain[i])];
-    twice += dot(V, ws.I[i] * V);
+    const double speed = norm(V.v + cross(V.w, ws.X_WB[i].p - ws.p0));
+    if (!(speed <= largest)) largest = speed;
   }
-  return 0.5 * twice;
+  return largest;
 }
 
-/// Reduces `recovery_` if the impulses of a step with deep overlaps raise the kinetic energy of their systems above that of all their mass
-/// at the recovery speed. In some configurations of deep overlaps and joint limits, a small recovery requires high speeds of other links.
-/// For systems at rest the energy is proportional to the square of the recovery speed.
+/// Reduces `recovery_` if the impulses of a step make a link of a system with deep overlaps too fast. In some configurations of deep
+/// overlaps and joint limits, a small recovery requires high speeds of other links. For systems at rest these are proportional to it.
 /// @return whether recovery_ has changed
 bool Stepper::reduce_recovery() {
-  double before = 0, after = 0, allowed = 0;
+  if (recovery_ == 0) return false;
+  const double limit = max_speed_ratio * options_.recovery_speed;
+  double factor = 1;
   for (std::size_t s = 0; s < scratch_.size(); ++s) {
     SystemScratch& x = scratch_[s];
     if (!x.deep || x.v.empty()) continue;
-    before += kinetic_energy(s, x.unforced);
-    after += kinetic_energy(s, x.free_v);
-    allowed += 0.5 * mechanisms_[s]->mass() * options_.recovery_speed * options_.recovery_speed * max_recovery_energy;
+    const double after = max_speed(s, x.free_v);
+    if (after <= limit) continue;
+    const double before = max_speed(s, x.unforced);
+    if (after <= before) continue;
+    factor = before < limit && std::isfinite(after) ? std::min(factor, 0.9 * limit / after) : 0.0;
   }
-  if (recovery_ == 0 || after <= std::max(before, allowed)) return false;
-  recovery_ *= before < allowed && recovery_ > 0.01 ? 0.9 * std::sqrt(allowed / after) : 0;
-  if (!(recovery_ > 1e-3)) recovery_ = 0;  // also if `after` is not finite
+  if (factor == 1) return false;
+  recovery_ = recovery_ * factor > 1e-3 ? recovery_ * factor : 0;
   return true;
 }
 

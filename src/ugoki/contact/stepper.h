@@ -175,7 +175,7 @@ class Stepper {
   [[nodiscard]] SolverOptions solver_options(double dt, bool careful) const;
   StepReport finish(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, const SolverReport& solved,
                     StepReport report);
-  [[nodiscard]] double kinetic_energy(std::size_t s, std::span<const double> v);
+  [[nodiscard]] double max_speed(std::size_t s, std::span<const double> v);
   bool reduce_recovery();
   [[nodiscard]] int steps_before_hand_over(std::size_t s) const;
   bool hand_over();
