@@ -109,15 +109,15 @@ void GroundSupport::find_hovering(const BalanceModel& model, const BalanceState&
     if (b.foot == static_cast<int>(f)) bearing += b.p, count += 1;
   if (count == 0) return;
   const Vec3 way = normalized(horizontal(middle - bearing / count), {});
-  double most = -1e9;
+  double max_along = -1e9;
   for (const BearingPoint& b : bearing_)
-    if (b.foot == static_cast<int>(f)) most = std::max(most, dot(b.p, way));
+    if (b.foot == static_cast<int>(f)) max_along = std::max(max_along, dot(b.p, way));
   // A foot that bears on both sides of the hovering points does not tip.
-  if (dot(middle, way) < most) {
+  if (dot(middle, way) < max_along) {
     hovering_.resize(first);
     return;
   }
-  std::erase_if(bearing_, [&](const BearingPoint& b) { return b.foot == static_cast<int>(f) && dot(b.p, way) < most - edge; });
+  std::erase_if(bearing_, [&](const BearingPoint& b) { return b.foot == static_cast<int>(f) && dot(b.p, way) < max_along - edge; });
 }
 
 void GroundSupport::find_turn(const BalanceModel& model, std::size_t f) {
