@@ -128,8 +128,6 @@ try {
   await picture('simulate');
   await tab('Naturalness');
   await picture('naturalness', '.naturalness');
-  await tab('Plots');
-  await picture('plots', ':has(> .plots-tools)');
   await tab('Log');
   await picture('log', '.log, .panel.empty');
   await tab('Scenario');
@@ -138,9 +136,6 @@ try {
   // dialogs
   await page.keyboard.press('Control+k');
   await picture('commands', '.palette');
-  await page.keyboard.press('Escape');
-  await page.keyboard.press('F1');
-  await picture('keys', '[role=dialog]');
   await page.keyboard.press('Escape');
   service.run(['bake', 'sample.ugoki', '--vary', 'push=0:300:3', '--vary', 'push-angle=0,90', '--vary', 'push-time=0.05', '--duration', '0.3', '--table', 'push.db']);
   await page.keyboard.press('Control+k');
