@@ -93,6 +93,21 @@ try {
   await page.keyboard.press('e');
   await tab('Library');
 
+  // look, a gait
+  await tab('Scenario');
+  await page.locator('[data-character="human"] .track-name').click();
+  await page.getByRole('tab', { name: 'Look' }).click();
+  await picture('look', '.look-panel');
+  await page.getByRole('tab', { name: 'Inspector' }).click();
+  await tab('Scenario');
+  await page.locator('[data-character="human"] .track-name').click();
+  await page.getByRole('button', { name: 'Add gait', exact: true }).click();
+  await page.locator('.gait-fields[aria-busy="false"]').waitFor({ timeout: 120000 });
+  await picture('gait', '.inspector');
+  await blur();
+  await page.keyboard.press('Control+z');
+  await page.waitForTimeout(800);
+
   // rules
   await tab('Rules');
   await page.getByRole('button', { name: 'While a key is held, play…' }).click();
@@ -121,6 +136,13 @@ try {
   // dialogs
   await page.keyboard.press('Control+k');
   await picture('commands', '.palette');
+  await page.keyboard.press('Escape');
+  service.run(['bake', 'sample.ugoki', '--vary', 'push=0:300:3', '--vary', 'push-angle=0,90', '--vary', 'push-time=0.05', '--duration', '0.3', '--table', 'push.db']);
+  await page.keyboard.press('Control+k');
+  await page.getByLabel('Search commands').fill('results of a sweep');
+  await page.keyboard.press('Enter');
+  await page.getByRole('dialog', { name: 'Results of sweeps' }).getByRole('img').waitFor();
+  await picture('sweep', '[role=dialog]');
   await page.keyboard.press('Escape');
   await page.locator('button.project').click();
   await page.getByRole('menuitem', { name: 'New project…' }).click();

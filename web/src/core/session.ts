@@ -8,6 +8,7 @@ import { LiveValues } from './circuit/live';
 import { PlayControls, read_devices } from './play_controls';
 import { Client, LatestOnly, type SocketLike } from './client';
 import { apply_command, frame_after, type Command, type ScenarioDocument } from './document';
+import { fetch_json } from './fetch_json';
 import { FrameRing } from './frames';
 import {
   RequestError,
@@ -19,7 +20,6 @@ import {
   type Mode,
   type Problem,
   type Request,
-  type ServiceError,
   type ServiceEvent,
   type Vec3,
 } from './protocol';
@@ -374,7 +374,7 @@ export class Session {
 
   private async fetch_mechanism(id: string): Promise<void> {
     try {
-      const mechanism = await this.fetch_json<MechanismData>(`api/mechanism/${encodeURIComponent(id)}`);
+      const mechanism = await fetch_json<MechanismData>(this.options.fetch, `api/mechanism/${encodeURIComponent(id)}`);
       this.set({ mechanisms: { ...this.state.mechanisms, [id]: mechanism } });
     } catch (error) {
       this.fail(error as Error);
@@ -455,24 +455,6 @@ export class Session {
 
   private send(request: Request): void {
     void this.request(request);
-  }
-
-  private async fetch_json<T>(path: string, init?: RequestInit): Promise<T> {
-    let response: Response;
-    try {
-      response = await this.options.fetch(path, init);
-    } catch {
-      throw new RequestError({ problems: [{ message: 'The studio does not answer.', remedy: 'Check that `ugoki studio` is running.' }] }, '');
-    }
-    const text = await response.text();
-    let body: unknown;
-    try {
-      body = JSON.parse(text);
-    } catch {
-      throw new RequestError(undefined, text.trim().slice(0, 300) || `The studio answered ${response.status} without a reason.`);
-    }
-    if (!response.ok) throw new RequestError((body as { error?: ServiceError }).error, `The studio answered ${response.status}.`);
-    return body as T;
   }
 
   private connected(hello: HelloReply): void {

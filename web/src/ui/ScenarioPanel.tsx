@@ -10,7 +10,8 @@ import { page, parts, plain_canvas, session, usePage, useStudio } from './app';
 import { Icon } from './icons';
 import { MarkerFlags, RangeBar } from './markers';
 import { CameraTrack } from './film/CameraTrack';
-import { drop_target, EventTrack, GroupRow, Track, type DropGhost } from './tracks';
+import { EventTrack } from './EventTrack';
+import { drop_target, GroupRow, Track, type DropGhost } from './tracks';
 
 /** The scenario panel: ruler, tracks, events and contact bars. Clips and their drags are in tracks.tsx. */
 export function ScenarioPanel(): ReactElement {

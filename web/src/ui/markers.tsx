@@ -4,7 +4,7 @@ import { apply_command, find_marker, type Command, type ScenarioDocument } from 
 import { format_time } from '../core/format';
 import { snap_delta, time_to_x, type TimeView } from '../core/timeline';
 import { session, useStudio } from './app';
-import { start_drag } from './tracks';
+import { start_drag } from './track_drag';
 
 interface RulerProps {
   doc: ScenarioDocument;

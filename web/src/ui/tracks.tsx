@@ -1,25 +1,22 @@
+/** Tracks of characters in the timeline, with their clips. */
 import { useLayoutEffect, useMemo, useRef, type ReactElement } from 'react';
 import { CharacterState } from '../core/frames';
-import { apply_command, blend_spans, find_character, fit_blends, is_left_out, type Character, type Clip, type Command, type ScenarioDocument, type ScenarioEvent } from '../core/document';
+import { apply_command, blend_spans, find_character, fit_blends, is_left_out, type Character, type Clip, type Command, type ScenarioDocument } from '../core/document';
 import { format_number, format_time } from '../core/format';
-import { describe_grip, grip_end, is_grip } from '../core/grips';
 import { ripple_clip } from '../core/ripple';
 import { index_beside } from '../core/track_groups';
-import { is_selected, items_of, items_span, move_items, toggle_item, type Item } from '../core/items';
-import { changed_fields, drag_clip, ends_moving, move_clip, snap_delta, snap_targets, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
+import { is_selected, items_of, type Item } from '../core/items';
+import { changed_fields, drag_clip, ends_moving, move_clip, snap_delta, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
 import { shown_document } from '../core/state';
 import { describe_span } from '../core/measures';
 import { band_gradient } from '../core/motion/desk';
 import { layer_times } from '../core/posing/keys';
 import { desk, page, plain_canvas, session, useDesk, usePage, useStudio } from './app';
 import { Icon } from './icons';
+import { drag_together, press_item, select_focused, start_drag, snap_rules } from './track_drag';
 
 const edge_px = 7; // width of the zone at a clip's edge in which a drag trims the clip
-const snap_px = 8; // distance, px, within which a dragged edge snaps to a target
-const min_text_px = 90; // px: a pill of this width or more contains its text; a narrower pill has the text to its right
-const min_pill_px = 8; // px: minimum width of an event's pill, so that events without duration can be dragged
 const longest_blend = 60; // s, maximum cross-fade that the service accepts (content/scenario.cpp)
-const drag_px = 3; // pointer travel, px, below which a press is a click
 
 /** The preview of a dragged clip or library entry on a track. */
 export interface DropGhost {
@@ -57,121 +54,6 @@ export function drop_target(entry_id: string, character: string | null, time: nu
     name: entry.name,
   };
 }
-
-type Exclude = string | readonly string[];
-const snap_rules = (doc: ScenarioDocument, exclude: Exclude, tolerance: number): Omit<SnapRules, 'enabled'> => ({
-  targets: snap_targets(doc, exclude, session.now),
-  tolerance,
-  frame_rate: doc.frame_rate,
-});
-
-export interface DragSetup {
-  event: React.PointerEvent<HTMLElement>;
-  /** Scale of the time axis, px per s. */
-  scale: number;
-  /** Previews a drag by `delta` s. `rules` are the snapping rules for the modifier keys held, `over` is the element under the pointer. */
-  move: (delta: number, rules: (doc: ScenarioDocument, exclude: Exclude) => SnapRules, over: Element | null) => void;
-  /** Sends the command at the end of the drag. */
-  done: () => void;
-  cancel: () => void;
-  /** Called instead of `done` if the pointer was released without a drag. */
-  click?: () => void;
-}
-
-/**
- * Follows one drag from press to release; travel below `drag_px` is ignored. Shift: a tenth of the speed; Ctrl: no snapping; Escape:
- * cancel.
- */
-export function start_drag({ event, scale, move, done, cancel, click }: DragSetup): void {
-  const target = event.currentTarget;
-  target.setPointerCapture(event.pointerId);
-  let last = event.clientX;
-  let travelled = 0;
-  let dragging = false;
-  const rules_of = (e: { ctrlKey: boolean; metaKey: boolean; shiftKey: boolean }) => (doc: ScenarioDocument, exclude: Exclude): SnapRules => ({
-    ...snap_rules(doc, exclude, e.shiftKey ? 0 : snap_px / scale),
-    enabled: !(e.ctrlKey || e.metaKey),
-  });
-  const on_move = (e: PointerEvent): void => {
-    travelled += (e.clientX - last) * (e.shiftKey ? 0.1 : 1);
-    last = e.clientX;
-    if (!dragging && Math.abs(e.clientX - event.clientX) < drag_px) return;
-    dragging = true;
-    move(travelled / scale, rules_of(e), document.elementFromPoint(e.clientX, e.clientY));
-  };
-  const stop = (): void => {
-    target.removeEventListener('pointermove', on_move);
-    target.removeEventListener('pointerup', on_up);
-    target.removeEventListener('pointercancel', on_cancel);
-    window.removeEventListener('keydown', on_key, true);
-  };
-  const on_up = (): void => {
-    stop();
-    if (dragging) done();
-    else click?.();
-  };
-  const on_cancel = (): void => {
-    stop();
-    cancel();
-  };
-  const on_key = (e: KeyboardEvent): void => {
-    if (e.key !== 'Escape') return;
-    e.preventDefault();
-    e.stopPropagation();
-    on_cancel();
-  };
-  target.addEventListener('pointermove', on_move);
-  target.addEventListener('pointerup', on_up);
-  target.addEventListener('pointercancel', on_cancel);
-  window.addEventListener('keydown', on_key, true);
-}
-
-/** Whether a press adds to the selection or removes from it. */
-const toggles = (event: { shiftKey: boolean; ctrlKey: boolean; metaKey: boolean }): boolean => event.shiftKey || event.ctrlKey || event.metaKey;
-
-/**
- * The selection at a press on `item`: without Shift and Ctrl, the item is selected, unless it belongs to a selection of several items, which
- * a drag moves together.
- * @return ids of the items that a drag moves, or null if it moves `item` alone; `click` is the action of a press without a drag
- */
-function press_item(event: React.PointerEvent, item: Item): { together: readonly Item[] | null; click: () => void } {
-  const { selection } = session.state;
-  const together = items_of(selection).length > 1 && is_selected(selection, item) ? items_of(selection) : null;
-  if (toggles(event)) return { together, click: () => session.select(toggle_item(session.state.selection, item)) };
-  if (!together) session.select(item);
-  return { together, click: () => session.select(item) };
-}
-
-/** The drag of several selected items: they move together by one command. */
-function drag_together(items: readonly Item[], on_guide: (time: number | null) => void): Pick<DragSetup, 'move' | 'done' | 'cancel'> {
-  const { document } = session.state;
-  const span = document && items_span(document, items);
-  const ids = items.map((item) => (item.kind === 'clip' ? item.clip : item.event));
-  let command: Command | null = null;
-  return {
-    move: (delta, rules) => {
-      if (!document || !span) return;
-      const snapped = snap_delta([span.from, span.to], delta, rules(document, ids));
-      on_guide(snapped.at);
-      command = move_items(document, items, snapped.delta);
-      session.show_preview(command && apply_command(document, command));
-    },
-    done: () => {
-      on_guide(null);
-      if (command) void session.edit(command);
-      else session.show_preview(null);
-    },
-    cancel: () => {
-      on_guide(null);
-      session.show_preview(null);
-    },
-  };
-}
-
-/** Selects a focused item, but not when a press focused it: the press decides on the selection itself. */
-const select_focused = (event: React.FocusEvent<HTMLElement>, item: Item): void => {
-  if (event.currentTarget.matches(':focus-visible') && !is_selected(session.state.selection, item)) session.select(item);
-};
 
 /** Buttons in the header of a track: mute, solo, lock. */
 function TrackSwitches({ character }: { character: Character }): ReactElement {
@@ -631,122 +513,5 @@ function BadMarks({ character, view }: { character: string; view: TimeView }): R
         />
       ))}
     </>
-  );
-}
-
-/** Label of a link of a character, or its name. */
-function link_label(character: string, link: string): string {
-  const { document, mechanisms } = session.state;
-  const mechanism = document && find_character(document, character)?.mechanism;
-  return (mechanism && mechanisms[mechanism]?.links.find((l) => l.name === link)?.label) || link;
-}
-
-export function describe_event(event: ScenarioEvent, doc: ScenarioDocument): string {
-  const name = event.character ? (find_character(doc, event.character)?.name ?? event.character) : '';
-  if (event.type === 'push') return `push ${name}${event.force ? ` ${format_number(Math.hypot(...event.force), 0)} N` : ''}`.trim();
-  if (event.type === 'throw') return `throw ${name}`.trim();
-  if (is_grip(event)) return describe_grip(event, doc, link_label);
-  return [event.type, name].filter(Boolean).join(' ');
-}
-
-export function EventTrack({ doc, view, on_guide }: { doc: ScenarioDocument; view: TimeView; on_guide: (time: number | null) => void }): ReactElement {
-  const selection = useStudio((s) => s.selection);
-  const holds = doc.events.filter(is_grip);
-  return (
-    <>
-      {holds.length > 0 && (
-        <div className="track events holds" style={{ ['--rows' as string]: hold_rows(doc, holds) }}>
-          <div className="track-name plain">
-            <span className="dot" style={{ background: 'var(--pin-contacts)' }} />
-            <span className="label">Holds</span>
-          </div>
-          <div className="lane">
-            <div className="items" role="list" aria-label="Holds">
-              {holds.map((event) => (
-                <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={is_selected(selection, { kind: 'event', event: event.id })} row={hold_row(doc, event)} />
-              ))}
-            </div>
-          </div>
-        </div>
-      )}
-      <EventRow doc={doc} view={view} on_guide={on_guide} />
-    </>
-  );
-}
-
-/** Names of the links that grip, in the order of their first event; each has a row of its own, so that the holds of two hands do not cover each other. */
-const gripping = (doc: ScenarioDocument): string[] => [...new Set(doc.events.filter(is_grip).map((e) => `${e.character} ${e.link}`))];
-const hold_row = (doc: ScenarioDocument, event: ScenarioEvent): number => gripping(doc).indexOf(`${event.character} ${event.link}`);
-const hold_rows = (doc: ScenarioDocument, holds: readonly ScenarioEvent[]): number => Math.max(1, ...holds.map((e) => hold_row(doc, e) + 1));
-
-function EventRow({ doc, view, on_guide }: { doc: ScenarioDocument; view: TimeView; on_guide: (time: number | null) => void }): ReactElement {
-  const selection = useStudio((s) => s.selection);
-  return (
-    <div className="track events">
-      <div className="track-name plain">
-        <span className="dot" style={{ background: 'var(--event)' }} />
-        <span className="label">Events</span>
-      </div>
-      <div className="lane">
-        <div className="items" role="list" aria-label="Events">
-          {doc.events.filter((event) => !is_grip(event)).map((event) => (
-            <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={is_selected(selection, { kind: 'event', event: event.id })} />
-          ))}
-        </div>
-        {doc.events.length === 0 && <span className="hint">Shift P adds a push at the playhead, Shift G a grab of the selected link</span>}
-      </div>
-    </div>
-  );
-}
-
-function EventPill({ event, doc, view, selected, on_guide, row }: { event: ScenarioEvent; doc: ScenarioDocument; view: TimeView; selected: boolean; on_guide: (time: number | null) => void; row?: number }): ReactElement {
-  const text = describe_event(event, doc);
-  const duration = event.type === 'grab' ? grip_end(doc, event) - event.time : (event.duration ?? 0);
-  const down = (pointer: React.PointerEvent<HTMLElement>): void => {
-    if (pointer.button !== 0) return;
-    pointer.stopPropagation();
-    const item: Item = { kind: 'event', event: event.id };
-    const { together, click } = press_item(pointer, item);
-    if (together) return start_drag({ event: pointer, scale: view.scale, click, ...drag_together(together, on_guide) });
-    const document = session.state.document;
-    const origin = document?.events.find((e) => e.id === event.id);
-    if (!document || !origin) return;
-    let time = origin.time;
-    start_drag({
-      event: pointer,
-      scale: view.scale,
-      click,
-      move: (delta, rules) => {
-        session.select(item);
-        const snapped = snap_delta([origin.time], delta, rules(document, event.id));
-        time = Math.max(0, Math.round((origin.time + snapped.delta) * 1e6) / 1e6);
-        on_guide(snapped.at);
-        session.show_preview(apply_command(document, { type: 'event.set', id: event.id, event: { time } }));
-      },
-      done: () => {
-        on_guide(null);
-        if (time !== origin.time) void session.edit({ type: 'event.set', id: event.id, event: { time } });
-        else session.show_preview(null);
-      },
-      cancel: () => {
-        on_guide(null);
-        session.show_preview(null);
-      },
-    });
-  };
-  return (
-    <div
-      role="listitem"
-      tabIndex={0}
-      data-event={event.id}
-      className={`pill ${event.type}${selected ? ' selected' : ''}${duration * view.scale < min_text_px ? ' short' : ''}`}
-      aria-label={`${text}, at ${format_time(event.time)}`}
-      title={`${text}\nat ${format_number(event.time)} s`}
-      style={{ left: time_to_x(view, event.time), width: Math.max(min_pill_px, duration * view.scale), ...(row === undefined ? {} : { ['--row' as string]: row }) }}
-      onPointerDown={down}
-      onFocus={(e) => select_focused(e, { kind: 'event', event: event.id })}
-    >
-      <span className="pill-text">{text}</span>
-    </div>
   );
 }

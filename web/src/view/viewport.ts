@@ -11,18 +11,14 @@ import type { MechanismData } from '../core/protocol';
 import type { Session } from '../core/session';
 import { selected_character, shown_document, type StudioState } from '../core/state';
 import { CameraRig } from './camera';
-import { body_surface } from './body_view';
-import { Ghost, mechanism_geometries, type LinkTag } from './character_view';
+import { mechanism_geometries, type LinkTag } from './character_view';
 import { Crowd } from './crowd';
 import type { CrowdMember } from './crowd_member';
-import { Arrow, assist_color, ContactDiscs, make_ring, Polyline, Segments, Spring } from './overlays';
+import { Arrow, assist_color, ContactDiscs, make_ring, Segments, Spring } from './overlays';
 import { CameraOutlines } from './film_view';
+import { OtherTimes, type PoseGhosts } from './other_times';
 import { shadow_reach, Stage } from './stage';
 
-const ghost_offsets = [-0.8, -0.4, 0.4, 0.8]; // times of the ghosts relative to the current frame, s
-const earlier_color = 0x5f8fc4; // ghosts of a posed character, before and after the playhead
-const later_color = 0x9a79cf;
-const trail_seconds = 4; // time span of a trail, s
 const reach = 10; // maximum distance between the pointer and a link that is picked, px
 const max_contact_arrows = 48; // maximum number of contacts that are drawn with arrows
 
@@ -33,10 +29,8 @@ const start_of_assist = new THREE.Vector3();
 /** The objects drawn for one character. */
 interface Drawn {
   member: CrowdMember;
-  /** Made when they are shown for the first time. */
-  ghosts: Ghost[];
+  times: OtherTimes;
   assist: Arrow;
-  trail: Polyline;
   /** Packed poses of all links to draw instead of those of the frames; null: draw the frames. */
   pose: Float32Array | null;
 }
@@ -68,7 +62,7 @@ export class Viewport {
   private readonly listeners = new Set<DrawListener>();
   private readonly drawing_listeners = new Set<() => void>();
   /** Ghosts of the posed character; null: ghosts are drawn from frames. */
-  private pose_ghosts: { character: string; poses: readonly (readonly number[])[] } | null = null;
+  private pose_ghosts: PoseGhosts | null = null;
   private readonly undo_subscriptions: (() => void)[] = [];
   /** True: something changed since the last drawn frame. */
   private dirty = true;
@@ -237,7 +231,7 @@ export class Viewport {
   }
 
   /** Draws the ghosts of the posed character from poses before and after the present one; null: from frames. */
-  show_pose_ghosts(ghosts: { character: string; poses: readonly (readonly number[])[] } | null): void {
+  show_pose_ghosts(ghosts: PoseGhosts | null): void {
     this.pose_ghosts = ghosts;
     this.invalidate();
   }
@@ -354,19 +348,18 @@ export class Viewport {
     }
     const entry: Drawn = {
       member: this.crowd.add(id, mechanism, geometries, color),
-      ghosts: [],
+      times: new OtherTimes(mechanism, geometries),
       assist: new Arrow(0x34d399, 0.011, true),
-      trail: new Polyline(0xff9d5c, 1.6, 0.8),
       pose: null,
     };
-    this.stage.scene.add(entry.assist.group, entry.trail.line);
+    this.stage.scene.add(entry.assist.group, entry.times.group);
     return entry;
   }
 
   private remove(entry: Drawn): void {
-    this.stage.scene.remove(entry.assist.group, entry.trail.line, ...entry.ghosts.map((g) => g.group));
+    this.stage.scene.remove(entry.assist.group, entry.times.group);
     this.crowd.remove(entry.member);
-    for (const ghost of entry.ghosts) ghost.dispose();
+    entry.times.dispose();
   }
 
   private emphasise(): void {
@@ -503,9 +496,10 @@ export class Viewport {
       const entry = this.drawn.get(character.id);
       const character_frame = frame?.characters[index];
       if (!entry || !character_frame || !frame) return;
-      this.draw_ghosts(entry, index, frame, view.ghosts);
-      if (view.trail) this.draw_trail(entry, index, frame);
-      else entry.trail.hide();
+      const rate = state.document?.frame_rate ?? 60;
+      const posed = this.pose_ghosts && (this.pose_ghosts.character === character.id ? this.pose_ghosts.poses : []);
+      entry.times.show_ghosts(view.ghosts, this.session.frames, frame, index, rate, posed);
+      entry.times.show_trail(view.trail, this.session.frames, frame, index, rate);
       if (!view.assist || !frame.simulate || !this.draw_assist(entry, frame, character_frame)) entry.assist.hide();
       if (selected === character.id) {
         const com = point_of_mass.set(...centre_of_mass(frame, character_frame)).add(entry.member.offset);
@@ -588,52 +582,5 @@ export class Viewport {
     }
     const from = this.pull.local.clone().applyMatrix4(mesh.matrixWorld);
     this.spring.show(from, this.pull.target, this.rig.camera, this.rig.current.distance * 0.0042);
-  }
-
-  private need_ghosts(entry: Drawn): Ghost[] {
-    const { mechanism } = entry.member;
-    const geometries = this.geometries.get(mechanism.id);
-    if (entry.ghosts.length === 0 && geometries) {
-      entry.ghosts = ghost_offsets.map((_offset, index) => new Ghost(geometries, index, body_surface(mechanism)));
-      this.stage.scene.add(...entry.ghosts.map((g) => g.group));
-    }
-    return entry.ghosts;
-  }
-
-  private draw_ghosts(entry: Drawn, index: number, frame: Frame, on: boolean): void {
-    if (!on) {
-      for (const ghost of entry.ghosts) ghost.hide();
-      return;
-    }
-    const ghosts = this.need_ghosts(entry);
-    const rate = this.session.state.document?.frame_rate ?? 60;
-    if (this.pose_ghosts) {
-      const poses = this.pose_ghosts.character === entry.member.character ? this.pose_ghosts.poses : [];
-      ghosts.forEach((ghost, i) => {
-        const pose = poses[i];
-        if (pose) ghost.show_poses(pose, 0.24, i % 2 === 0 ? earlier_color : later_color);
-        else ghost.hide();
-      });
-      return;
-    }
-    ghost_offsets.forEach((seconds, i) => {
-      const ghost = ghosts[i]!;
-      const other = this.session.frames.near(frame.number + Math.round(seconds * rate), 2);
-      const character_frame = other?.characters[index];
-      if (other && character_frame && character_frame.links === frame.characters[index]?.links) ghost.show(other, character_frame, Math.abs(seconds) > 0.5 ? 0.13 : 0.22);
-      else ghost.hide();
-    });
-  }
-
-  private draw_trail(entry: Drawn, index: number, frame: Frame): void {
-    const rate = this.session.state.document?.frame_rate ?? 60;
-    const points: number[] = [];
-    const first = Math.max(0, frame.number - Math.round(trail_seconds * rate));
-    for (let n = first; n <= frame.number; n++) {
-      const other = this.session.frames.at(n);
-      const character_frame = other?.characters[index];
-      if (other && character_frame) points.push(...centre_of_mass(other, character_frame));
-    }
-    entry.trail.show(points);
   }
 }

@@ -7,7 +7,7 @@ import { format_number, format_time } from '../../core/format';
 import { snap_delta, time_to_x, type TimeView } from '../../core/timeline';
 import { run } from '../actions';
 import { session, useStudio } from '../app';
-import { start_drag } from '../tracks';
+import { start_drag } from '../track_drag';
 
 interface TrackProps {
   doc: ScenarioDocument;
