@@ -252,17 +252,17 @@ TEST(TreeIsland, LandingChainIsHandedOverAndReturns) {
   s.q(0)[2] = 0.12;
   s.q(0)[7] = 0.05;
   stepper.load(s);
-  int handed_over = 0, most = 0, at_end = 0;
+  int handed_over = 0, max_steps = 0, at_end = 0;
   for (int i = 0; i < 400; ++i) {
     const StepReport report = stepper.step({}, 0.002);
     ASSERT_EQ(report.status, StepStatus::ok);
     EXPECT_EQ(report.not_converged, 0);
     handed_over += report.handed_over;
-    if (report.handed_over == 0) most = std::max(most, report.newton_steps);
+    if (report.handed_over == 0) max_steps = std::max(max_steps, report.newton_steps);
     if (i >= 300) at_end += report.handed_over;
   }
   EXPECT_GT(handed_over, 0);
-  EXPECT_LE(most, 80);
+  EXPECT_LE(max_steps, 80);
   EXPECT_EQ(at_end, 0);
 }
 
