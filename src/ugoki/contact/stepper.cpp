@@ -21,7 +21,7 @@ constexpr std::size_t max_handed_over = 512, max_closed_handed_over = 256;
 constexpr int min_steps_before_hand_over = 8;
 constexpr double work_of_step = 60;
 // Maximum speed of a link that the recovery from deep overlaps may cause, relative to the recovery speed. Tests: overlap_test.cpp.
-constexpr double max_speed_ratio = 4;
+constexpr double max_speed_ratio = 3;
 
 /// m: radius of a body whose only colliding shape is round, so that it can roll; 0 for every other body.
 double rolling_radius(const Link& link) {
@@ -291,6 +291,7 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
   StepReport report;
   frames_.resize(3 * contacts.size());
   choose_methods(contacts);
+  find_separations(contacts);
   handed_over_ = 0;
   recovery_ = 1;
   for (SystemScratch& x : scratch_) x.deep = false;

@@ -181,6 +181,8 @@ class Stepper {
   bool hand_over();
   [[nodiscard]] bool is_movable(int system, int link) const;
   void choose_methods(std::span<const collision::ContactPoint> contacts);
+  void find_separations(std::span<const collision::ContactPoint> contacts);
+  [[nodiscard]] Vec3 recovery_direction(const collision::ContactPoint& c) const;
   SolverReport solve_rows(const SolverOptions& options, std::size_t first_new, bool again);
   void find_impacts(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, StepReport& report);
   void prepare(std::size_t s, const StepSystem& system, double dt);
@@ -265,6 +267,14 @@ class Stepper {
   WarmStart warm_;
   StepReport first_report_;  // report of the last step() before its solver ran; repeat() continues from it
   std::vector<Vec3> forces_;
+  /// Direction in which two systems with deep overlaps come apart.
+  struct Separation {
+    std::uint64_t pair;  // index of the lower system + 1, then that of the higher one
+    std::size_t index;   // order of the contacts, so that the sums have the same bits everywhere
+    Vec3 sum, deepest;   // of the contacts' normals, towards the higher system: weighted by depth; of the deepest contact
+    double depth, total; // m: of the deepest contact; of all contacts
+  };
+  std::vector<Separation> separations_;  // of the pairs with deep overlaps in this step, by pair
   std::vector<Vec3> frames_;  // [contacts * 3] normal n, tangents t1 and t2 of each contact
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "ugoki/contact/stepper.h"
 #include "ugoki/mechanism/state.h"
@@ -19,8 +20,54 @@ constexpr double deep_softness = 0.3;
 // Recovery speed of deep overlaps as a fraction of StepperOptions::recovery_speed. It is below 1 because contacts near a joint move the far
 // end of a limb up to ten times as fast. Tests: overlap_test.cpp.
 constexpr double deep_recovery = 0.5;
+// 1/s: recovery speed of deep overlaps relative to their depth, so that a character who stands hip-deep in the ground rises within 2 s.
+constexpr double deep_rate = 0.8;
+
+// Length of the mean of unit normals, weighted by depth, below which they contradict each other and the deepest contact decides.
+constexpr double contradiction = 0.2;
+
+std::uint64_t pair_of(const collision::ContactPoint& c) {
+  const auto a = static_cast<std::uint64_t>(c.system_a + 1), b = static_cast<std::uint64_t>(c.system_b + 1);
+  return std::min(a, b) << 32 | std::max(a, b);
+}
 
 }  // namespace
+
+/// Finds the direction in which each pair of different systems with deep overlaps comes apart.
+void Stepper::find_separations(std::span<const collision::ContactPoint> contacts) {
+  separations_.clear();
+  for (const collision::ContactPoint& c : contacts) {
+    if (!(c.distance < -StepperOptions::deep_overlap) || c.system_a == c.system_b) continue;
+    const Vec3 n = c.system_a > c.system_b ? c.n : -c.n;
+    separations_.push_back({pair_of(c), separations_.size(), n * -c.distance, n, -c.distance, -c.distance});
+  }
+  if (separations_.empty()) return;
+  std::ranges::sort(separations_, {}, [](const Separation& x) { return std::pair(x.pair, x.index); });
+  std::size_t kept = 0;
+  for (std::size_t i = 1; i < separations_.size(); ++i) {
+    const Separation& next = separations_[i];
+    Separation& last = separations_[kept];
+    if (next.pair != last.pair) {
+      separations_[++kept] = next;
+      continue;
+    }
+    last.sum += next.sum;
+    last.total += next.total;
+    if (next.depth <= last.depth) continue;
+    last.depth = next.depth;
+    last.deepest = next.deepest;
+  }
+  separations_.resize(kept + 1);
+}
+
+/// Direction along which a contact of a deep overlap pushes, from b towards a. The normals of several contacts may contradict each other,
+/// for example if limbs are on both sides of a trunk; all contacts of two systems therefore push in the same direction.
+Vec3 Stepper::recovery_direction(const collision::ContactPoint& c) const {
+  const auto found = std::ranges::lower_bound(separations_, pair_of(c), {}, &Separation::pair);
+  if (c.system_a == c.system_b || found == separations_.end() || found->pair != pair_of(c)) return c.n;
+  const Vec3 n = norm(found->sum) > contradiction * found->total ? normalized(found->sum) : found->deepest;
+  return c.system_a > c.system_b ? n : -n;
+}
 
 /// Adds a segment for one side of a block.
 /// @return [chain length of DOF `last`][4] memory for that side's whitened rows
@@ -55,7 +102,9 @@ const Vec6& Stepper::free_velocity(std::size_t s, int last) {
 void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt, bool forced) {
   if (is_gripped(c)) return;
   const double gap = c.distance, impact_impulse = impact_impulses_[static_cast<std::size_t>(index)];
-  const Vec3 n = c.n;
+  // Overlaps of this depth exist from the beginning. Their normals may contradict each other, and friction would then lock the bodies.
+  const bool deep = gap < -StepperOptions::deep_overlap;
+  const Vec3 n = deep ? recovery_direction(c) : c.n;
   double before = 0, whip = 0;
   Vec3 free;
   struct Side {
@@ -90,11 +139,9 @@ void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt
   frame[0] = n;
   frame[1] = t1;
   frame[2] = t2;
-  // Overlaps of this depth exist from the beginning. Their normals may contradict each other, and friction would then lock the bodies.
-  const bool deep = gap < -StepperOptions::deep_overlap;
   for (const Side& side : std::span(sides).first(count)) scratch_[side.s].deep = scratch_[side.s].deep || deep;
-  const double wanted =
-      gap > 0 || forced ? -gap / dt : recovery_ * std::min(-gap / options_.recovery_time, (deep ? deep_recovery : 1) * options_.recovery_speed);
+  const double fastest = deep ? std::max(deep_recovery * options_.recovery_speed, -deep_rate * gap) : options_.recovery_speed;
+  const double wanted = gap > 0 || forced ? -gap / dt : recovery_ * std::min(-gap / options_.recovery_time, fastest);
   const double target[3] = {free_n - wanted, dot(t1, free), dot(t2, free)};
   double first[3] = {0, 0, 0};  // the last impulse, in the frame of this step: n may turn slightly, and t1 with it by a right angle
   if (const Warm* warm = warm_.find(c.key))

@@ -75,10 +75,13 @@ function move_between_tabs(event: ReactKeyboardEvent): void {
   tabs[next]!.focus();
 }
 
+/** Font size of the page, in px. It is larger in very large windows. */
+const font_size = (): number => parseFloat(getComputedStyle(document.documentElement).fontSize);
+
 /** Replaces the layout by the initial one: viewport in the middle, library left, inspector right, tabs below. */
 function default_layout(api: DockviewApi): void {
   api.clear();
-  const unit = parseFloat(getComputedStyle(document.documentElement).fontSize) / 13;
+  const unit = font_size() / 13;
   const height = Math.round(Math.min(268 * unit, window.innerHeight * 0.34));
   const viewport = api.addPanel({ id: 'viewport', component: 'viewport', title: 'Viewport', renderer: 'always' });
   viewport.group.header.hidden = true;
@@ -110,20 +113,23 @@ function add_missing(api: DockviewApi): void {
 }
 
 const min_viewport_width = 320; // px; with a smaller viewport the panels shrink with the window
+let laid_out_font = 0; // px: font size of the last lay_out()
 
 /**
  * Sets the size of the dock to `width` x `height` px. Only the viewport changes its size, unless it would become too small: groups of panels
- * beside it keep their width, and groups above and below it keep their height.
+ * beside it keep their width, and groups above and below it keep their height. If the font size has changed, these change with it.
  */
 function lay_out(api: DockviewApi, width: number, height: number): void {
+  const font = font_size(), scale = laid_out_font > 0 ? font / laid_out_font : 1;
+  laid_out_font = font;
   const viewport = api.getPanel('viewport')?.group;
   const middle = viewport?.element.getBoundingClientRect();
   if (!viewport || !middle || middle.width === 0 || api.hasMaximizedGroup()) return api.layout(width, height, true);
   const kept = api.groups.flatMap((group): { group: typeof viewport; size: { width?: number; height?: number } }[] => {
     const box = group.element.getBoundingClientRect();
     if (group === viewport || box.width === 0) return [];
-    if (box.right <= middle.left + 1 || box.left >= middle.right - 1) return [{ group, size: { width: box.width } }];
-    if (box.bottom <= middle.top + 1 || box.top >= middle.bottom - 1) return [{ group, size: { height: box.height } }];
+    if (box.right <= middle.left + 1 || box.left >= middle.right - 1) return [{ group, size: { width: box.width * scale } }];
+    if (box.bottom <= middle.top + 1 || box.top >= middle.bottom - 1) return [{ group, size: { height: box.height * scale } }];
     return [];
   });
   const room = { width: middle.width + width - api.width, height: middle.height + height - api.height };
