@@ -199,5 +199,16 @@ TEST(AugmentedLaw, FixedPointsSatisfyTheLaw) {
   EXPECT_FALSE(is_fixed({1, 0.36, -0.48}, {0.1, -3, 4})) << "pressed while separating";
 }
 
+// A contact without friction that separates without sliding must not pull. The rolling row of such a contact became NaN.
+TEST(AugmentedLaw, ContactWithoutFrictionDoesNotPull) {
+  RowBlock b = block_of(RowKind::contact);
+  b.mu = 0;
+  const double hat[3] = {0, 0, 0}, u[3] = {0.2, 0, 0};
+  double p[3] = {1, 1, 1}, G[9];
+  augmented_impulse(b, {1e-3, hat, 0, 0}, u, p, G);
+  for (const double x : p) EXPECT_EQ(x, 0);
+  for (const double x : G) EXPECT_EQ(x, 0);
+}
+
 }  // namespace
 }  // namespace ugoki::contact

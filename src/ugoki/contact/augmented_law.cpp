@@ -37,7 +37,7 @@ void contact_impulse(const RowBlock& b, const AugmentedLaw& law, const double* u
   const double root_n = std::sqrt(Rn), root_t = std::sqrt(Rt), m = b.mu * root_t / root_n;
   const double yn = xn / root_n, y1 = (Rt * hat[1] - u[1]) / root_t, y2 = (Rt * hat[2] - u[2]) / root_t;
   const double yt = std::sqrt(y1 * y1 + y2 * y2);
-  if (yt <= m * yn) {
+  if (yn >= 0 && yt <= m * yn) {  // without friction m is 0, and yt may be 0 although the contact separates
     p[0] = yn / root_n;
     p[1] = y1 / root_t;
     p[2] = y2 / root_t;
