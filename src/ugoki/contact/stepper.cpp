@@ -287,13 +287,20 @@ SolverOptions Stepper::solver_options(double dt, bool careful) const {
 }
 
 StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, std::size_t forced) {
+  return step(systems, contacts, dt, forced, 1);
+}
+
+/// @param recovery first value of recovery_
+StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, std::size_t forced,
+                         double recovery) {
   UGOKI_CHECK(systems.size() == mechanisms_.size() && dt > 0);
   StepReport report;
   frames_.resize(3 * contacts.size());
   choose_methods(contacts);
   find_separations(contacts);
   handed_over_ = 0;
-  recovery_ = 1;
+  recovery_ = recovery;
+  forced_ = std::min(forced, contacts.size());
   for (SystemScratch& x : scratch_) x.deep = false;
   const auto prepare_and_keep = [&](std::size_t s) {
     prepare(s, systems[s], dt);
@@ -350,6 +357,8 @@ StepReport Stepper::repeat(std::span<StepSystem> systems, std::span<const collis
   for (SystemScratch& x : scratch_) x.free_v = x.unforced;
   for (std::size_t i = given; i < contacts.size(); ++i) add_contact(static_cast<int>(i), contacts[i], dt, true);
   const SolverReport solved = solve_rows(solver_options(dt, true), first, true);
+  // The contacts of the guard have no recovery that could be reduced: without recovery of the others, they need none.
+  if (reduce_recovery()) return step(systems, contacts, dt, forced_, 0);
   return finish(systems, contacts, dt, solved, first_report_);
 }
 

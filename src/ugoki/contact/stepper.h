@@ -177,6 +177,8 @@ class Stepper {
                     StepReport report);
   [[nodiscard]] double max_speed(std::size_t s, std::span<const double> v);
   bool reduce_recovery();
+  StepReport step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, std::size_t forced,
+                  double recovery);
   [[nodiscard]] int steps_before_hand_over(std::size_t s) const;
   bool hand_over();
   [[nodiscard]] bool is_movable(int system, int link) const;
@@ -256,6 +258,7 @@ class Stepper {
   std::vector<SystemScratch> scratch_;
   VelocitySolver solver_;
   double recovery_ = 1;                         // fraction of the recovery speeds of overlaps and joint limits; 0 in a repeated solution
+  std::size_t forced_ = 0;                      // index of the first contact of the step that always gets rows
   int handed_over_ = 0;                         // systems that TreeIsland handed over in this step
   std::vector<double> tree_work_;               // [systems] scratch of choose_methods()
   int max_dense_rows_ = DenseIsland::max_rows;  // maximum number of rows of an island for the dense solver
