@@ -19,7 +19,7 @@ constexpr std::size_t max_handed_over = 512, max_closed_handed_over = 256;
 // TreeIsland many steps. Bodies at rest need no step. The limit grows with the cost of whitened rows (TreeIsland::min_work), so that a
 // system which has come to rest returns to TreeIsland. Measured with chains of 50 to 300 links that fall (docs/design/contact.md).
 constexpr int min_steps_before_hand_over = 8;
-constexpr double work_of_step = 60;
+constexpr double work_of_step = 60;  // work of whitened rows for each DOF that costs as much as one Newton step
 // Maximum speed of a link that the recovery from deep overlaps may cause, relative to the recovery speed. Tests: overlap_test.cpp.
 constexpr double max_speed_ratio = 3;
 
@@ -144,22 +144,19 @@ void Stepper::choose_methods(std::span<const collision::ContactPoint> contacts) 
   }
 }
 
-/// Maximum speed of the links' origins at the velocity v, in m/s; NaN if v is not finite. Overwrites free_motion.
+/// Maximum speed of the links' origins at the velocity v, in m/s; infinite if v is not finite. Overwrites free_motion.
 double Stepper::max_speed(std::size_t s, std::span<const double> v) {
   SystemScratch& x = scratch_[s];
   const dynamics::Workspace& ws = workspaces_[s];
-  const std::span<const int> parents = mechanisms_[s]->dof_parents();
+  move_links(s, v);
   x.has_free_motion = false;
-  for (std::size_t k = 0; k < v.size(); ++k) {
-    const Vec6 own = ws.S[k] * v[k];
-    x.free_motion[k] = parents[k] < 0 ? own : x.free_motion[static_cast<std::size_t>(parents[k])] + own;
-  }
   double largest = 0;
   for (std::size_t i = 0; i < ws.link_chain.size(); ++i) {
     if (ws.link_chain[i] < 0) continue;
     const Vec6& V = x.free_motion[static_cast<std::size_t>(ws.link_chain[i])];
     const double speed = norm(V.v + cross(V.w, ws.X_WB[i].p - ws.p0));
-    if (!(speed <= largest)) largest = speed;
+    if (!std::isfinite(speed)) return HUGE_VAL;
+    largest = std::max(largest, speed);
   }
   return largest;
 }

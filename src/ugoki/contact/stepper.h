@@ -175,6 +175,7 @@ class Stepper {
   [[nodiscard]] SolverOptions solver_options(double dt, bool careful) const;
   StepReport finish(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, const SolverReport& solved,
                     StepReport report);
+  void move_links(std::size_t s, std::span<const double> v);
   [[nodiscard]] double max_speed(std::size_t s, std::span<const double> v);
   bool reduce_recovery();
   StepReport step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, std::size_t forced,
@@ -272,13 +273,13 @@ class Stepper {
   std::vector<Vec3> forces_;
   /// Direction in which two systems with deep overlaps come apart.
   struct Separation {
-    std::uint64_t pair;  // index of the lower system + 1, then that of the higher one
-    std::size_t index;   // order of the contacts, so that the sums have the same bits everywhere
-    Vec3 sum, deepest;   // of the contacts' normals, towards the higher system: weighted by depth; of the deepest contact
-    double depth, total; // m: of the deepest contact; of all contacts
+    std::uint64_t pair;   // index of the lower system + 1, then that of the higher one
+    std::size_t index;    // order of the contacts, so that the sums have the same bits everywhere
+    Vec3 sum, deepest;    // of the contacts' normals, towards the higher system: weighted by depth; of the deepest contact
+    double depth, total;  // m: of the deepest contact; of all contacts
   };
   std::vector<Separation> separations_;  // of the pairs with deep overlaps in this step, by pair
-  std::vector<Vec3> frames_;  // [contacts * 3] normal n, tangents t1 and t2 of each contact
+  std::vector<Vec3> frames_;             // [contacts * 3] normal n, tangents t1 and t2 of each contact
 };
 
 }  // namespace ugoki::contact

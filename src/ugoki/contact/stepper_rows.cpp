@@ -84,16 +84,22 @@ double* Stepper::add_side(std::size_t s, int last) {
   return solver_.add_segment(static_cast<int>(s), chain, length).data();
 }
 
+/// Sets free_motion to the velocities, about p0, of the links that the DOFs move, at the velocity v [nv].
+void Stepper::move_links(std::size_t s, std::span<const double> v) {
+  std::vector<Vec6>& V = scratch_[s].free_motion;
+  const std::span<const int> parents = mechanisms_[s]->dof_parents();
+  for (std::size_t k = 0; k < V.size(); ++k) {
+    const Vec6 own = workspaces_[s].S[k] * v[k];
+    V[k] = parents[k] < 0 ? own : V[static_cast<std::size_t>(parents[k])] + own;
+  }
+}
+
 /// Velocity without impulses, about p0, of the link that DOF `last` moves. Computed for all links of the system at the first call in a
 /// step.
 const Vec6& Stepper::free_velocity(std::size_t s, int last) {
   SystemScratch& x = scratch_[s];
   if (!x.has_free_motion) {
-    const std::span<const int> parents = mechanisms_[s]->dof_parents();
-    for (std::size_t k = 0; k < x.free_motion.size(); ++k) {
-      const Vec6 own = workspaces_[s].S[k] * x.free_v[k];
-      x.free_motion[k] = parents[k] < 0 ? own : x.free_motion[static_cast<std::size_t>(parents[k])] + own;
-    }
+    move_links(s, x.free_v);
     x.has_free_motion = true;
   }
   return x.free_motion[static_cast<std::size_t>(last)];

@@ -6,7 +6,7 @@ import { describe_grip, grip_end, is_grip } from '../core/grips';
 import { is_selected, type Item } from '../core/items';
 import { snap_delta, time_to_x, type TimeView } from '../core/timeline';
 import { session, useStudio } from './app';
-import { drag_together, press_item, select_focused, start_drag } from './track_drag';
+import { drag_ends, drag_together, press_item, select_focused, start_drag } from './track_drag';
 
 const min_text_px = 90; // px: a pill of this width or more contains its text; a narrower pill has the text to its right
 const min_pill_px = 8; // px: minimum width of an event's pill, so that events without duration can be dragged
@@ -100,15 +100,7 @@ function EventPill({ event, doc, view, selected, on_guide, row }: { event: Scena
         on_guide(snapped.at);
         session.show_preview(apply_command(document, { type: 'event.set', id: event.id, event: { time } }));
       },
-      done: () => {
-        on_guide(null);
-        if (time !== origin.time) void session.edit({ type: 'event.set', id: event.id, event: { time } });
-        else session.show_preview(null);
-      },
-      cancel: () => {
-        on_guide(null);
-        session.show_preview(null);
-      },
+      ...drag_ends(on_guide, () => (time === origin.time ? null : { type: 'event.set', id: event.id, event: { time } })),
     });
   };
   return (

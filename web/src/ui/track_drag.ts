@@ -92,6 +92,21 @@ export function press_item(event: React.PointerEvent, item: Item): { together: r
   return { together, click: () => session.select(item) };
 }
 
+/** The end of a drag on the timeline: executes `command()`, if there is one; Escape discards the preview. */
+export function drag_ends(on_guide: (time: number | null) => void, command: () => Command | null): Pick<DragSetup, 'done' | 'cancel'> {
+  const cancel = (): void => {
+    on_guide(null);
+    session.show_preview(null);
+  };
+  const done = (): void => {
+    const last = command();
+    if (!last) return cancel();
+    on_guide(null);
+    void session.edit(last);
+  };
+  return { done, cancel };
+}
+
 /** The drag of several selected items: they move together by one command. */
 export function drag_together(items: readonly Item[], on_guide: (time: number | null) => void): Pick<DragSetup, 'move' | 'done' | 'cancel'> {
   const { document } = session.state;
@@ -106,15 +121,7 @@ export function drag_together(items: readonly Item[], on_guide: (time: number | 
       command = move_items(document, items, snapped.delta);
       session.show_preview(command && apply_command(document, command));
     },
-    done: () => {
-      on_guide(null);
-      if (command) void session.edit(command);
-      else session.show_preview(null);
-    },
-    cancel: () => {
-      on_guide(null);
-      session.show_preview(null);
-    },
+    ...drag_ends(on_guide, () => command),
   };
 }
 

@@ -7,7 +7,7 @@ import { format_number, format_time } from '../../core/format';
 import { snap_delta, time_to_x, type TimeView } from '../../core/timeline';
 import { run } from '../actions';
 import { session, useStudio } from '../app';
-import { start_drag } from '../track_drag';
+import { drag_ends, start_drag } from '../track_drag';
 
 interface TrackProps {
   doc: ScenarioDocument;
@@ -90,15 +90,7 @@ function ShotBox({ shot, number, doc, view, on_guide, selected }: TrackProps & {
         command = same ? null : { type: 'shot.set', id: shot.id, shot: part === 'all' ? { start } : { start, length } };
         session.show_preview(command && apply_command(document, command));
       },
-      done: () => {
-        on_guide(null);
-        if (command) void session.edit(command);
-        else session.show_preview(null);
-      },
-      cancel: () => {
-        on_guide(null);
-        session.show_preview(null);
-      },
+      ...drag_ends(on_guide, () => command),
     });
   };
   return (
