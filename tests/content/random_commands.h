@@ -18,7 +18,7 @@ class RandomCommands {
   /// A random command (JSON) for the document `s`.
   std::string next(const Scenario& s) {
     if (std::string removal = shrink(s); !removal.empty()) return removal;
-    switch (pick(36)) {
+    switch (pick(39)) {
       case 0:
         return R"({"type": "clip.add", "character": "human", "motion": ")" + std::string(pick(2) ? "n-walk" : "n-step") +
                R"(", "start": )" + number(0, 8) + "}";
@@ -116,6 +116,20 @@ class RandomCommands {
       case 34:
         return R"({"type": "character.set", "id": ")" + any_character(s) + R"(", "group": ")" +
                (pick(2) ? "" : "G" + std::to_string(pick(3))) + "\"}";
+      case 35:
+        return R"({"type": "variable.add", "variable": {"kind": ")" + std::string(pick(2) ? "switch" : "number") + R"(", "initial": )" +
+               (pick(3) ? "1" : number(-2, 12)) + R"(, "maximum": )" + (pick(2) ? "null" : "10") + "}}";
+      case 36:
+        if (s.variables.empty()) return next(s);
+        return pick(3) ? R"({"type": "variable.set", "id": ")" + s.variables[pick(s.variables.size())].id +
+                             R"(", "variable": {"name": "N)" + number(0, 9) + R"(", "shown": )" + (pick(2) ? "true}}" : "false}}")
+                       : R"({"type": "variable.remove", "id": ")" + s.variables[pick(s.variables.size())].id + "\"}";
+      case 37:
+        if (s.variables.empty()) return next(s);
+        return R"({"type": "rule.add", "rule": {"if": [{"type": "variable", "variable": ")" + s.variables[pick(s.variables.size())].id +
+               R"(", "compare": ")" + std::array{"at_least", "at_most", "above", "below", "equal"}[pick(5)] + R"(", "value": )" +
+               number(-5, 5) + R"(}], "do": {"type": "set", "variable": ")" + s.variables[pick(s.variables.size())].id +
+               R"(", "change": ")" + std::array{"set", "add", "toggle"}[pick(3)] + R"(", "value": )" + number(-5, 5) + "}}}";
       default:
         return pick(2) ? R"({"type": "scenario.set", "duration": )" + number(1, 30) + R"(, "look": {"light": )" + number(0, 2.1) + "}}"
                        : circuit_command();
@@ -165,6 +179,7 @@ class RandomCommands {
     if (s.events.size() > max_length) return remove("event.remove", s.events);
     if (s.markers.size() > max_length) return remove("marker.remove", s.markers);
     if (s.rules.size() > max_length) return remove("rule.remove", s.rules);
+    if (s.variables.size() > max_length) return remove("variable.remove", s.variables);
     if (s.poses.size() > max_length) return remove("pose.remove", s.poses);
     if (s.shots.size() > max_length) return remove("shot.remove", s.shots);
     if (s.cameras.size() > max_length) return remove("camera.remove", s.cameras);

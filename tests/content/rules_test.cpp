@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "fixture.h"
 #include "ugoki/circuit/interpreter.h"
@@ -83,7 +84,8 @@ TEST_F(RulesTest, CommandsChangeMoveAndRemoveRules) {
   EXPECT_EQ(document.rules[0].conditions.size(), 1u) << "fields that are not given keep their value";
   good(R"({"type": "rule.move", "id": "r1", "at": 2})");
   EXPECT_EQ(ids(), (Ids{"r2", "r3", "r1", "r4", "r5"}));
-  good(R"({"type": "rule.add", "at": 0, "rule": {"if": [{"type": "key"}], "do": {"type": "push", "character": "ball", "force": [0, 0, 1]}}})");
+  good(
+      R"({"type": "rule.add", "at": 0, "rule": {"if": [{"type": "key"}], "do": {"type": "push", "character": "ball", "force": [0, 0, 1]}}})");
   EXPECT_EQ(document.rules[0].id, "r6") << "a new id";
   good(R"({"type": "rule.remove", "id": "r1"})");
   EXPECT_EQ(ids(), (Ids{"r6", "r2", "r3", "r5"})) << "r4 depends on r1";
@@ -105,7 +107,8 @@ TEST_F(RulesTest, RefusesFaultyRules) {
   bad(R"({"if": [{"type": "touch", "character": "cat"}], )" + push + "}", ErrorCode::unknown, at + "/if/0/character");
   bad(R"({"if": [{"type": "touch", "character": "human", "link": "nose"}], )" + push + "}", ErrorCode::unknown, at + "/if/0/link");
   bad(R"({"if": [{"type": "near", "character": "ball", "other": "ball"}], )" + push + "}", ErrorCode::structure, at + "/if/0/other");
-  bad(R"({"if": [{"type": "near", "character": "ball", "other": "human", "distance": -1}], )" + push + "}", ErrorCode::range, at + "/if/0/distance");
+  bad(R"({"if": [{"type": "near", "character": "ball", "other": "human", "distance": -1}], )" + push + "}", ErrorCode::range,
+      at + "/if/0/distance");
   bad(R"({"if": [{"type": "playing", "character": "human", "rule": "r3"}], )" + push + "}", ErrorCode::unknown, at + "/if/0/rule");
   bad(R"({"if": [{"type": "key", "distance": 2}], )" + push + "}", ErrorCode::unknown, "command/rule/if/0/distance");
   bad("{" + key + R"(, "do": {"type": "play", "character": "human", "motion": "n-none"}})", ErrorCode::unknown, at + "/do/motion");
@@ -162,6 +165,140 @@ Player run(const Scenario& document, const Resources& resources, const std::vect
   return std::move(*player);
 }
 double value(Player& player, const char* pin) { return player.interpreter().find_output(pin)->numbers()[0]; }
+
+/// Counts the touches of the ball on the ground; the third one switches `done` on, which pushes the ball.
+constexpr const char* counting_rules[] = {
+    R"({"type": "variable.add", "variable": {"id": "hits", "name": "Hits", "maximum": 3, "unit": "x"}})",
+    R"({"type": "variable.add", "variable": {"id": "done", "name": "Done", "kind": "switch", "shown": false}})",
+    R"({"type": "rule.add", "rule": {"id": "r6", "if": [{"type": "key", "key": "KeyH"}], "do": {"type": "set", "variable": "hits"}}})",
+    R"({"type": "rule.add", "rule": {"id": "r7", "if": [{"type": "variable", "variable": "hits", "compare": "at_least", "value": 3}],
+        "do": {"type": "set", "variable": "done", "change": "toggle"}}})",
+    R"({"type": "rule.add", "rule": {"id": "r8", "if": [{"type": "variable", "variable": "done", "compare": "equal", "value": 1}],
+        "do": {"type": "play", "character": "human", "motion": "n-step", "loop": true}}})",
+    R"({"type": "rule.add", "rule": {"id": "r9", "if": [{"type": "near", "character": "human", "link": "leg", "other": "ball", "distance": 9}],
+        "do": {"type": "grab", "character": "ball", "link": "ball", "other": "human", "other_link": "leg", "limit": 900}}})"};
+
+TEST_F(RulesTest, VariablesAreKeptChangedAndRemovedWithTheirRules) {
+  for (const char* command : counting_rules) good(command);
+  const std::string text = write_scenario(document);
+  const Result<Scenario> read = read_scenario(text, "scenario");
+  ASSERT_TRUE(read) << read.error().text();
+  EXPECT_EQ(*read, document);
+  EXPECT_EQ(write_scenario(*read), text);
+  good(R"({"type": "variable.set", "id": "hits", "variable": {"name": "Points", "maximum": null}})");
+  EXPECT_EQ(label, "Rename variable");
+  EXPECT_EQ(document.variables[0].maximum, max_variable);
+  EXPECT_EQ(document.variables[0].unit, "x") << "fields that are not given keep their value";
+  good(R"({"type": "variable.add", "variable": {}})");
+  EXPECT_EQ(document.variables[2].name, "Variable 3");
+  good(R"({"type": "variable.remove", "id": "hits"})");
+  EXPECT_EQ(ids(), (Ids{"r8", "r9"})) << "r6 changes it, r7 compares it";
+  good(R"({"type": "character.remove", "id": "human"})");
+  EXPECT_EQ(ids(), (Ids{}));
+}
+
+TEST_F(RulesTest, DocumentWithoutVariablesDoesNotNameThem) { EXPECT_EQ(write_scenario(document).find("variables"), std::string::npos); }
+
+TEST_F(RulesTest, RefusesFaultyVariables) {
+  for (const char* command : counting_rules) good(command);
+  const auto faulty = [&](const std::string& command, ErrorCode code, const std::string& location) {
+    const auto effect = apply_command(document, command, catalogue, next_id);
+    ASSERT_FALSE(effect) << command;
+    EXPECT_EQ(effect.error().problems.front().code, code) << effect.error().text();
+    EXPECT_EQ(effect.error().problems.front().location, location) << effect.error().text();
+    EXPECT_FALSE(effect.error().problems.front().remedy.empty());
+  };
+  const auto set = [](const char* fields) { return R"({"type": "variable.set", "id": "hits", "variable": )" + std::string(fields) + "}"; };
+  faulty(set(R"({"initial": 4})"), ErrorCode::range, "scenario/variables/0/initial");
+  faulty(set(R"({"minimum": 5})"), ErrorCode::range, "scenario/variables/0/minimum");
+  faulty(set(R"({"maximum": 1e10})"), ErrorCode::range, "scenario/variables/0/maximum");
+  faulty(set(R"({"kind": "text"})"), ErrorCode::unknown, "command/variable/kind");
+  faulty(set(R"({"name": ""})"), ErrorCode::range, "scenario/variables/0/name");
+  faulty(set(R"({"unit": "kilograms per second squared"})"), ErrorCode::range, "scenario/variables/0/unit");
+  faulty(R"({"type": "variable.set", "id": "done", "variable": {"initial": 0.5}})", ErrorCode::range, "scenario/variables/1/initial");
+  faulty(R"({"type": "variable.remove", "id": "none"})", ErrorCode::unknown, "command/id");
+  faulty(R"({"type": "variable.add", "variable": {"id": "r6"}})", ErrorCode::duplicate, "scenario/variables/2/id");
+  const std::string at = "scenario/rules/4", push = R"("do": {"type": "push", "character": "ball", "force": [1, 0, 0]}})",
+                    key = R"({"if": [{"type": "key"}], )";
+  bad(R"({"if": [{"type": "variable", "variable": "none"}], )" + push, ErrorCode::unknown, at + "/if/0/variable");
+  bad(R"({"if": [{"type": "variable", "variable": "hits", "compare": "near"}], )" + push, ErrorCode::unknown, "command/rule/if/0/compare");
+  bad(key + R"("do": {"type": "set", "variable": "none"}})", ErrorCode::unknown, at + "/do/variable");
+  bad(key + R"("do": {"type": "set", "variable": "hits", "change": "toggle"}})", ErrorCode::structure, at + "/do/change");
+  bad(key + R"("do": {"type": "set", "variable": "hits", "value": 1e12}})", ErrorCode::range, at + "/do/value");
+  bad(key + R"("do": {"type": "grab", "character": "human"}})", ErrorCode::structure, at + "/do/link");
+  bad(key + R"("do": {"type": "grab", "character": "human", "link": "leg", "other": "human", "other_link": "leg"}})", ErrorCode::structure,
+      at + "/do/other_link");
+  bad(key + R"("do": {"type": "release", "character": "ball", "link": "nose"}})", ErrorCode::unknown, at + "/do/link");
+  bad(R"({"if": [{"type": "near", "character": "human", "link": "nose", "other": "ball"}], )" + push, ErrorCode::unknown,
+      at + "/if/0/link");
+}
+
+TEST_F(RulesTest, AThirdTouchOfAKeyPlaysAMotion) {
+  for (const char* command : counting_rules) good(command);
+  const auto bytes = generate(document, resources);
+  ASSERT_TRUE(bytes) << bytes.error().text();
+  auto player = Player::open(*bytes, "test");
+  ASSERT_TRUE(player) << player.error().text();
+  const auto press = [&](bool down) {
+    circuit::DeviceState held;
+    if (down) held.keys = {"KeyH"};
+    player->hold(held);
+    for (int i = 0; i < 10; ++i) ASSERT_TRUE(player->step());
+  };
+  for (int round = 1; round <= 5; ++round) {
+    press(true);
+    press(false);
+    EXPECT_EQ(value(*player, "variable-hits.value"), std::min(round, 3)) << "the maximum is 3";
+    EXPECT_EQ(value(*player, "variable-done.value"), round < 3 ? 0 : 1) << round;
+    EXPECT_EQ(value(*player, "choice-human.now"), round < 3 ? 0 : 1) << round;
+  }
+  EXPECT_EQ(value(*player, "rule-r9.count"), 1);
+}
+
+/// Each comparison of the variable with 2, for its values 1, 2 and 3.
+TEST_F(RulesTest, ComparisonsOfVariables) {
+  const std::pair<const char*, std::array<bool, 3>> cases[] = {{"at_least", {false, true, true}},
+                                                               {"at_most", {true, true, false}},
+                                                               {"above", {false, false, true}},
+                                                               {"below", {true, false, false}},
+                                                               {"equal", {false, true, false}}};
+  for (const auto& [name, wanted] : cases)
+    for (const bool negated : {false, true})
+      for (int x = 1; x <= 3; ++x) {
+        document = make_scenario();
+        good(R"({"type": "variable.add", "variable": {"id": "x", "initial": )" + std::to_string(x) + "}}");
+        good(R"({"type": "rule.add", "rule": {"id": "r1", "mode": "while", "if": [{"type": "variable", "variable": "x", "compare": ")" +
+             std::string(name) + R"(", "value": 2, "not": )" + (negated ? "true" : "false") +
+             R"(}], "do": {"type": "push", "character": "human", "force": [0, 0, 1]}}})");
+        Player player = run(document, resources, {}, 0.01);
+        EXPECT_EQ(value(player, "rule-r1.active") > 0, wanted[static_cast<std::size_t>(x - 1)] != negated) << name << " " << x << negated;
+      }
+}
+
+TEST_F(RulesTest, AConditionOnAMotionAlsoHoldsForOtherRulesOfThisMotion) {
+  const auto play = [](const char* id, const char* key) {
+    return R"({"type": "rule.add", "rule": {"id": ")" + std::string(id) + R"(", "mode": "while", "if": [{"type": "key", "key": ")" + key +
+           R"("}], "do": {"type": "play", "character": "human", "motion": "n-step", "loop": true}}})";
+  };
+  good(play("r1", "KeyA"));
+  good(play("r2", "KeyB"));
+  good(R"({"type": "rule.add", "rule": {"id": "r3", "mode": "while", "if": [{"type": "playing", "character": "human", "rule": "r1"}],
+          "do": {"type": "push", "character": "ball", "force": [0, 0, 1]}}})");
+  for (const auto& [key, wanted] : {std::pair{"KeyA", 1.0}, {"KeyB", 1.0}, {"KeyC", 0.0}}) {
+    Player player = run(document, resources, {key}, 0.1);
+    EXPECT_EQ(value(player, "rule-r3.active"), wanted) << key;
+  }
+}
+
+TEST_F(RulesTest, TheFirstRuleChangesAVariableLast) {
+  good(R"({"type": "variable.add", "variable": {"id": "x", "initial": 5}})");
+  for (const char* value : {"1", "2"})
+    good(R"({"type": "rule.add", "rule": {"mode": "while", "if": [{"type": "time", "time": 0}], "do": {"type": "set", "variable": "x", )"
+         R"("change": "set", "value": )" +
+         std::string(value) + "}}}");
+  Player player = run(document, resources, {}, 0.1);
+  EXPECT_EQ(value(player, "variable-x.value"), 1);
+}
 
 TEST_F(RulesTest, AllKindsOfRulesRun) {
   add_all();

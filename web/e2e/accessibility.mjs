@@ -94,6 +94,18 @@ export const deep_views = [
     }
     await tab(page, 'Scenario');
   }],
+  ['rules with a variable', async (page) => {
+    await tab(page, 'Rules');
+    await page.getByRole('button', { name: '+ Rule' }).click();
+    await page.getByRole('menuitem', { name: 'When something touches, count…' }).click();
+    await page.locator('.rule').waitFor();
+    await page.locator('.variable').click();
+  }, async (page) => {
+    await page.locator('.rules-head').click();
+    await page.keyboard.press('Control+z');
+    await page.locator('.rule').waitFor({ state: 'detached' });
+    await tab(page, 'Scenario');
+  }],
   ['posing', async (page) => {
     await page.locator('.track-name').first().click();
     await page.evaluate('document.activeElement?.blur?.()');

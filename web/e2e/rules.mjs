@@ -123,4 +123,101 @@ export const rule_journeys = [
       await page.getByRole('tab', { name: 'Scenario' }).click();
     },
   },
+  {
+    name: 'rules: a variable is made by mouse, counts keys, and its value starts a motion',
+    async run({ page }) {
+      await set_mode(page, 'Edit');
+      const before = await document_of(page);
+      const human = before.characters.find((c) => c.track.length > 0);
+      await page.locator(`[data-character="${human.id}"] .track-name`).click();
+      await page.getByRole('tab', { name: 'Rules' }).click();
+      await page.getByRole('button', { name: '+ Number' }).click();
+      await until(page, async () => (await document_of(page)).variables?.length === 1, 'a variable');
+      const inspector = page.getByRole('form', { name: 'Inspector' });
+      await inspector.getByLabel('Name').fill('Points');
+      await inspector.getByLabel('Name').press('Enter');
+      await inspector.getByLabel('Upper bound').click();
+      await inspector.getByLabel('Maximum', { exact: true }).fill('4');
+      await inspector.getByLabel('Maximum', { exact: true }).press('Enter');
+      await until(page, async () => (await document_of(page)).variables[0].maximum === 4, 'the bound');
+      await page.screenshot({ path: `${pictures}variables-empty.png` });
+
+      // when K is pressed, change Points by 1
+      await page.getByRole('button', { name: '+ Rule' }).click();
+      await page.getByRole('menuitem', { name: 'When something touches, count…' }).click();
+      await rules_become(page, (r) => r.length === 1 && r[0].do.type === 'set', 'the counting rule');
+      await chip(page, 0, 'Kind of condition').selectOption('key');
+      await page.locator('.rule').first().getByRole('button', { name: /^Key / }).click();
+      await page.keyboard.press('k');
+      await rules_become(page, (r) => r[0].if[0].key === 'KeyK', 'the key');
+      // when Points reaches 3, play
+      await page.getByRole('button', { name: '+ Rule' }).click();
+      await page.getByRole('menuitem', { name: 'When a number is reached, play…' }).click();
+      await rules_become(page, (r) => r.length === 2 && r[1].if[0].type === 'variable', 'the comparing rule');
+      const motions = await chip(page, 1, 'Motion').locator('option').allTextContents();
+      await chip(page, 1, 'Motion').selectOption({ label: motions.find((m) => m.includes('Stand')) });
+      // while J is held, walk in a loop; a drag from that state to the other one makes a transition
+      await page.getByRole('button', { name: '+ Rule' }).click();
+      await page.getByRole('menuitem', { name: 'While a key is held, play…' }).click();
+      await rules_become(page, (r) => r.length === 3, 'the third rule');
+      const center = async (n) => {
+        const box = await page.locator('.rule-state').nth(n).boundingBox();
+        return [box.x + box.width / 2, box.y + box.height / 2];
+      };
+      const [from, to] = [await center(2), await center(1)];
+      await page.mouse.move(...from);
+      await page.mouse.down();
+      await page.mouse.move((from[0] + to[0]) / 2, (from[1] + to[1]) / 2, { steps: 4 });
+      await page.mouse.move(...to, { steps: 4 });
+      await page.screenshot({ path: `${pictures}variables-drag.png` });
+      await page.mouse.up();
+      await rules_become(page, (r) => r.length === 4 && r[3].if[0].type === 'playing' && r[3].if[0].rule === r[2].id && r[3].do.motion === r[1].do.motion, 'the transition');
+      assert.equal(await page.locator('.rule-state').count(), 3, 'the transition leads to the state that exists');
+      await chip(page, 3, 'Action').selectOption('grab');
+      await rules_become(page, (r) => r[3].do.type === 'grab' && r[3].do.link, 'a hand that grabs');
+      for (const [width, height] of [[1440, 900], [1024, 640]]) {
+        await page.setViewportSize({ width, height });
+        await page.waitForTimeout(500);
+        await page.screenshot({ path: `${pictures}variables-${width}.png` });
+      }
+      await page.setViewportSize({ width: 1440, height: 900 });
+      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+      await page.waitForTimeout(300);
+      await page.screenshot({ path: `${pictures}variables-light.png` });
+      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+
+      // play: the third press of K starts the motion; the fifth is beyond the bound
+      await set_mode(page, 'Simulate');
+      const enter = page.getByRole('button', { name: /^Play controls/ });
+      await enter.waitFor({ timeout: 20000 });
+      await enter.click();
+      const value = page.locator('.variable-board dd');
+      const second = page.locator('.rule').nth(1);
+      await until(page, async () => (await value.textContent()) === '0', 'the value at the start, over the viewport');
+      for (let n = 1; n <= 5; n++) {
+        await page.keyboard.down('k');
+        await until(page, async () => (await page.locator('.rule').first().locator('.rule-count').textContent()) === 'now', `press ${n}`);
+        await page.keyboard.up('k');
+        await until(page, async () => (await value.textContent()) === String(Math.min(n, 4)), `the count ${n}`);
+        await until(page, async () => (await page.locator('.variable strong').textContent()) === String(Math.min(n, 4)), 'the same value above the rules');
+        await until(page, async () => /1×|now/.test(await second.locator('.rule-count').textContent()) === n >= 3, `the motion starts with the third press, not with ${n}`);
+        if (n === 3) await page.screenshot({ path: `${pictures}variables-play.png` });
+      }
+      await page.keyboard.press('Escape');
+      await set_mode(page, 'Edit');
+      await page.locator(`.rules-head`).click();
+      // removing the variable removes its rules, in one step
+      await page.locator('.variable').click();
+      await inspector.getByText('2 rules use it.').waitFor();
+      await inspector.getByRole('button', { name: 'Delete' }).click();
+      await rules_become(page, (r) => r.length === 2, 'its rules are removed');
+      while (JSON.stringify(await document_of(page)) !== JSON.stringify(before)) {
+        const { undo_label, can_undo } = await hook(page, 'undo()');
+        assert.ok(can_undo && /rule|variable/i.test(undo_label), `undo “${undo_label}”`);
+        await page.keyboard.press('Control+z');
+        await page.waitForTimeout(250);
+      }
+      await page.getByRole('tab', { name: 'Scenario' }).click();
+    },
+  },
 ].map((journey) => ({ ...journey, skip }));

@@ -1,6 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { apply_command, type ScenarioDocument } from '../src/core/document';
-import { character_for_rule, condition_text, key_name, new_condition, possible_conditions, rule_lsi, rule_problem, rule_text, state_graph, type Rule } from '../src/core/rules';
+import { action_character, character_for_rule, condition_text, key_name, new_condition, possible_conditions, rule_lsi, rule_problem, rule_text, state_graph, transition_rule, variable_action, variable_condition, type Rule } from '../src/core/rules';
+import { free_variable_name, new_variable, variable_pin, variable_text, type Variable } from '../src/core/variables';
 
 const control = { mode: 'track' as const, tracking: 1, balance: 1, assist_limit: 0.5, beyond: 'release' };
 const clip = { id: 'k1', motion: 'walk', start: 0, length: 2, offset: 0, speed: 1, blend: 0.3, loop: false };
@@ -79,5 +80,65 @@ describe('rules', () => {
 
   it('have LSIs with the name of their id', () => {
     expect(rule_lsi({ id: 'r.1' })).toBe('rule-r_1');
+  });
+});
+
+const score: Variable = { id: 'x1', name: 'Score', kind: 'number', initial: 0, unit: 'x' };
+const door: Variable = { id: 'x2', name: 'Door', kind: 'switch', initial: 1 };
+const with_variables = (rules: Rule[]): ScenarioDocument => ({ ...doc(rules), variables: [score, door] });
+
+describe('variables', () => {
+  it('are read in conditions and changed by actions', () => {
+    const d = with_variables([]);
+    const text = (fields: Partial<Rule>): string => rule_text(d, play('r1', 'walk', fields), name);
+    expect(text({ if: [variable_condition('x1', 'number')] })).toBe('When Score reaches 3 x, play Walk on Anna');
+    expect(text({ if: [variable_condition('x2', 'switch')] })).toBe('When Door is on, play Walk on Anna');
+    expect(text({ if: [{ ...variable_condition('x2', 'switch'), not: true }] })).toBe('When Door is off, play Walk on Anna');
+    expect(text({ do: variable_action('x1', 'number') })).toBe('When W is pressed, add 1 x to Score');
+    expect(text({ do: variable_action('x1', 'number'), mode: 'while' })).toBe('While W is held, add 1 x to Score each second');
+    expect(text({ do: variable_action('x2', 'switch') })).toBe('When W is pressed, toggle Door');
+    expect(text({ do: { type: 'set', variable: 'x2', change: 'set', value: 0 } })).toBe('When W is pressed, set Door to off');
+    expect(action_character(variable_action('x1', 'number'))).toBe('');
+    expect(possible_conditions(d)).toContain('variable');
+    expect(possible_conditions(doc([]))).not.toContain('variable');
+    expect(rule_problem(d, play('r1', 'walk', { do: variable_action('x1', 'number') }))).toBeNull();
+  });
+
+  it('have values with units, pins and free names', () => {
+    expect([variable_text(score, 2.5), variable_text(door, 1), variable_text({ kind: 'number' }, 3)]).toEqual(['2.5 x', 'on', '3']);
+    expect(variable_pin({ id: 'x.1' })).toBe('variable-x_1.value');
+    expect(free_variable_name(with_variables([]), 'Score')).toBe('Score 2');
+    expect(new_variable(with_variables([]), 'switch', 'x3')).toEqual({ id: 'x3', name: 'Switch', kind: 'switch', initial: 0 });
+  });
+
+  it('are changed and removed in the preview', () => {
+    let d = apply_command(with_variables([]), { type: 'variable.set', id: 'x1', variable: { name: 'Points' } });
+    expect(d.variables![0]).toEqual({ ...score, name: 'Points' });
+    d = apply_command(d, { type: 'variable.remove', id: 'x2' });
+    expect(d.variables!.map((v) => v.id)).toEqual(['x1']);
+  });
+
+  it('grabs and releases are sentences', () => {
+    const text = (action: Rule['do']): string => rule_text(doc([]), play('r1', 'walk', { do: action }), name);
+    const grab = { type: 'grab' as const, character: 'a', link: 'hand', other: 'b', other_link: '', rigid: false, limit: 450 };
+    expect(text(grab)).toBe('When W is pressed, hand of Anna grabs Ball');
+    expect(text({ ...grab, other: '' })).toBe('When W is pressed, hand of Anna grabs the world');
+    expect(text({ type: 'release', character: 'a', link: 'hand' })).toBe('When W is pressed, hand of Anna releases');
+  });
+});
+
+describe('transitions of the state graph', () => {
+  const walk = play('r1', 'walk', { mode: 'while' }, true);
+  const jump = play('r2', 'jump');
+
+  it('play the motion of the target while the origin plays', () => {
+    const rule = transition_rule(doc([walk, jump]), 'a', 'r1', 'r2')!;
+    expect(rule.if).toEqual([{ type: 'playing', character: 'a', rule: 'r1' }, { type: 'key', key: 'Space' }]);
+    expect(rule.do).toEqual(jump.do);
+    const { states, edges } = state_graph(doc([walk, jump, { ...rule, id: 'r3' }]), 'a');
+    expect(states.map((s) => s.rules)).toEqual([[''], ['r1'], ['r2', 'r3']]); // one state for each motion
+    expect(edges.filter((e) => !e.back).map((e) => [e.from, e.to])).toEqual([['', 'r1'], ['', 'r2'], ['r1', 'r2']]);
+    expect(transition_rule(doc([walk, jump]), 'a', 'r1', '')).toBeNull();
+    expect(transition_rule(doc([walk, jump]), 'a', 'r1', 'r1')).toBeNull();
   });
 });

@@ -35,7 +35,7 @@ class Work {
       std::string_view type;
       std::string (Work::*run)(Fields&);
     };
-    static constexpr std::array<Kind, 36> kinds = {{{"clip.add", &Work::clip_add},
+    static constexpr std::array<Kind, 39> kinds = {{{"clip.add", &Work::clip_add},
                                                     {"clip.set", &Work::clip_set},
                                                     {"clip.remove", &Work::clip_remove},
                                                     {"clip.split", &Work::clip_split},
@@ -57,6 +57,9 @@ class Work {
                                                     {"rule.set", &Work::rule_set},
                                                     {"rule.move", &Work::rule_move},
                                                     {"rule.remove", &Work::rule_remove},
+                                                    {"variable.add", &Work::add_item<add_variable>},
+                                                    {"variable.set", &Work::on_document<set_variable>},
+                                                    {"variable.remove", &Work::on_document<drop_variable>},
                                                     {"pose.add", &Work::add_item<add_pose>},
                                                     {"pose.set", &Work::on_document<set_pose>},
                                                     {"pose.remove", &Work::on_document<remove_pose>},
@@ -103,8 +106,8 @@ class Work {
     const auto has = [&](const auto& list) {
       return std::any_of(list.begin(), list.end(), [&](const auto& item) { return item.id == id; });
     };
-    return has(effect_.scenario.events) || has(effect_.scenario.markers) || has(effect_.scenario.rules) || has(effect_.scenario.poses) ||
-           has(effect_.scenario.cameras) || has(effect_.scenario.shots);
+    return has(effect_.scenario.events) || has(effect_.scenario.markers) || has(effect_.scenario.rules) ||
+           has(effect_.scenario.variables) || has(effect_.scenario.poses) || has(effect_.scenario.cameras) || has(effect_.scenario.shots);
   }
   /// Keeps an id that the command gives. If `id` is empty, creates a new id: `letter` followed by a number.
   void assign_id(std::string& id, char letter) {

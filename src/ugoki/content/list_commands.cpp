@@ -40,6 +40,30 @@ void erase_item(std::vector<Item>& list, const Item* item) {
 
 }  // namespace
 
+std::string add_variable(Fields& f, Scenario& scenario, const AssignId& assign_id) {
+  ScenarioVariable variable;
+  read_item(f, "variable", read_variable, variable);
+  if (!f.problems().empty()) return {};
+  assign_id(variable.id, 'x');
+  if (variable.name.empty()) variable.name = "Variable " + std::to_string(scenario.variables.size() + 1);
+  scenario.variables.push_back(std::move(variable));
+  return "Add variable";
+}
+
+std::string set_variable(Fields& f, Scenario& scenario) {
+  ScenarioVariable* variable = find_item(f, scenario.variables, "variable");
+  if (!variable) return {};
+  const ScenarioVariable before = *variable;
+  read_item(f, "variable", read_variable, *variable);
+  variable->id = before.id;
+  return variable->name != before.name ? "Rename variable" : "Change variable";
+}
+
+std::string drop_variable(Fields& f, Scenario& scenario) {
+  if (const ScenarioVariable* variable = find_item(f, scenario.variables, "variable")) remove_variable(scenario, std::string(variable->id));
+  return "Remove variable";
+}
+
 std::string add_pose(Fields& f, Scenario& scenario, const AssignId& assign_id) {
   ScenarioPose pose;
   read_item(f, "pose", read_pose, pose);

@@ -1,5 +1,5 @@
 #pragma once
-// Commands on the lists of stored poses, cameras and shots of a scenario. docs/scenario.md lists them. Internal to content.
+// Commands on the lists of variables, stored poses, cameras and shots of a scenario. docs/scenario.md lists them. Internal to content.
 
 #include <functional>
 #include <string>
@@ -14,6 +14,11 @@ using AssignId = std::function<void(std::string& id, char letter)>;
 
 // Each of these functions reads the fields of one command and changes the scenario; problems are added to the fields' list.
 // @return the label for undo menus
+
+std::string add_variable(Fields& f, Scenario& scenario, const AssignId& assign_id);
+std::string set_variable(Fields& f, Scenario& scenario);
+/// `variable.remove`: removes the variable together with the rules that compare or change it.
+std::string drop_variable(Fields& f, Scenario& scenario);
 
 std::string add_pose(Fields& f, Scenario& scenario, const AssignId& assign_id);
 std::string set_pose(Fields& f, Scenario& scenario);

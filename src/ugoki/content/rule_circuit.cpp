@@ -20,11 +20,18 @@ class Maker {
     for (const Rule& rule : s_.rules) left += rule.on ? rule.conditions.size() : 0;
     y_ = top - row * static_cast<double>(left);
     std::string events = "event.events";
+    add_variables();
     for (const Rule& rule : s_.rules) {
       if (!rule.on) continue;
       std::string id = "rule-" + rule.id;
       std::replace(id.begin(), id.end(), '.', '_');  // '.' separates LSI and pin
-      if (rule.action.type == ActionType::push) {
+      if (rule.action.type == ActionType::set) {
+        changes_.emplace_back(&rule, conditions(rule, id));
+      } else if (rule.action.type == ActionType::grab || rule.action.type == ActionType::release) {
+        grip(rule, id, conditions(rule, id));
+        wire(events, id + ".events");
+        events = id + ".events";
+      } else if (rule.action.type == ActionType::push) {
         const std::string condition = conditions(rule, id);
         Instance& lsi = add(id, "push", 3, y_ - row);
         lsi.parameters = {{"character", rule.action.character},
@@ -39,6 +46,7 @@ class Maker {
         play(rule, id);
       }
     }
+    add_changes();
     if (events == "event.events") return;
     for (circuit::Wire& w : c_.wires)
       if (w.to == "dynamics.events") w.from = events;
@@ -83,6 +91,64 @@ class Maker {
     }
   }
 
+  void grip(const Rule& rule, const std::string& id, const std::string& condition) {
+    const RuleAction& a = rule.action;
+    const bool grab = a.type == ActionType::grab;
+    Instance& lsi = add(id, "grip rule", 3, y_ - row);
+    lsi.parameters = {{"character", a.character}, {"link", a.link}};
+    if (grab) {
+      lsi.parameters.insert(lsi.parameters.end(),
+                            {{"other", a.other}, {"other link", a.other_link}, {"rigid", a.rigid}, {"limit", a.limit}});
+    }
+    lsi.parameters.emplace_back("mode", std::string(!grab ? "release" : rule.mode == RuleMode::when ? "grab" : "hold"));
+    wire(condition, id + ".when");
+  }
+
+  static std::string variable_lsi(const std::string& variable) {
+    std::string id = "variable-" + variable;
+    std::replace(id.begin(), id.end(), '.', '_');
+    return id;
+  }
+  /// Adds an LSI for each variable, in a column left of the rules.
+  void add_variables() {
+    double y = y_;
+    for (const ScenarioVariable& v : s_.variables) {
+      Instance& lsi = add(variable_lsi(v.id), "variable", -1, y);
+      const bool number = v.kind == VariableKind::number;
+      lsi.parameters = {{"initial", v.initial}, {"minimum", number ? v.minimum : 0.0}, {"maximum", number ? v.maximum : 1.0}};
+      y += row;
+    }
+  }
+  /// Wires the changes of each variable in series. A rule has priority over the rules below it, so the first rule changes the value last.
+  void add_changes() {
+    for (const ScenarioVariable& v : s_.variables) {
+      std::string value = variable_lsi(v.id) + ".value";
+      const std::string first = value;
+      for (auto change = changes_.rbegin(); change != changes_.rend(); ++change) {
+        const auto& [rule, condition] = *change;
+        if (rule->action.variable != v.id) continue;
+        std::string id = "rule-" + rule->id;
+        std::replace(id.begin(), id.end(), '.', '_');
+        Instance& lsi = add(id, "set variable", 3, row_of(condition));
+        const char* const changes[] = {"set", "add", "toggle"};
+        lsi.parameters = {{"mode", std::string(rule->mode == RuleMode::when ? "when" : "while")},
+                          {"change", std::string(changes[static_cast<std::size_t>(rule->action.change)])}};
+        lsi.values = {{"amount", rule->action.value}};
+        wire(condition, id + ".condition");
+        wire(value, id + ".value");
+        value = id + ".value";
+      }
+      if (value != first) wire(value, variable_lsi(v.id) + ".next");
+    }
+  }
+  /// y of the LSI with this output, px.
+  [[nodiscard]] double row_of(const std::string& output) const {
+    const std::string id = output.substr(0, output.find('.'));
+    for (const Instance& lsi : c_.lsis)
+      if (lsi.id == id) return lsi.at.y;
+    return y_;
+  }
+
   /// Adds the LSIs of all conditions of a rule. @return the output that is above 0 while all of them are true
   std::string conditions(const Rule& rule, const std::string& id) {
     std::string all;
@@ -119,33 +185,78 @@ class Maker {
             {"character", c.character}, {"link", c.link}, {"other", c.other}, {"other link", c.other_link}};
         wire("dynamics.contacts", id + ".contacts");
         return id + ".touching";
-      case near:
-        add(id + "-pair", "closest pair", 0, y_).parameters = {{"character", c.character}, {"other", c.other}};
+      case near: {
+        auto& pair = add(id + "-pair", "closest pair", 0, y_).parameters;
+        pair = {{"character", c.character}, {"other", c.other}};
+        if (!c.link.empty()) pair.emplace_back("link", c.link);
+        if (!c.other_link.empty()) pair.emplace_back("other link", c.other_link);
         wire("status.state", id + "-pair.state");
         return compare(id, "a", c.distance, "b", id + "-pair.distance");
+      }
       case time: add(id + "-clock", "clock", 0, y_); return compare(id, "b", c.time, "a", id + "-clock.time");
       case playing: {
         const std::string choice = choice_of(c.character);
         const auto rule = std::find_if(s_.rules.begin(), s_.rules.end(), [&](const Rule& r) { return r.id == c.rule; });
         if (choice.empty()) return constant(id, c.rule.empty() ? 1 : 0);
         if (!c.rule.empty() && (rule == s_.rules.end() || !rule->on)) return constant(id, 0);
-        Instance& equal = add(id, "equal", 0, y_);
-        equal.values = {{"b", c.rule.empty() ? 0.0 : number_of(*rule)}};
-        wire(choice + ".now", id + ".a");
-        return id + ".out";
+        return c.rule.empty() ? is_choice(choice, 0, id) : plays_motion_of(*rule, choice, id);
       }
       case released: {
         std::string control = find("motion control", c.character);
         if (control.empty()) control = find("balance control", c.character);
         if (control.empty()) return constant(id, 0);
         add(id, "joint value", 0, y_).parameters = {{"index", 8.0}};  // lsi::report_released
-        add(id + "-delay", "delay", 1, y_);                            // the report depends on the motion that plays
+        add(id + "-delay", "delay", 1, y_);                           // the report depends on the motion that plays
         wire(control + ".report", id + ".in");
         wire(id + ".out", id + "-delay.in");
         return id + "-delay.out";
       }
+      case variable: return comparison(c, id);
     }
     return constant(id, 0);
+  }
+
+  /// Compares a variable with the value of a condition.
+  std::string comparison(const RuleCondition& c, const std::string& id) {
+    const std::string value = variable_lsi(c.variable) + ".value";
+    if (c.compare == Comparison::equal) {
+      add(id, "equal", 0, y_).values = {{"b", c.value}};
+      wire(value, id + ".a");
+      return id + ".out";
+    }
+    // "compare" is a > b; "at least" is the contrary of "below", and "at most" of "above"
+    const bool contrary = c.compare == Comparison::at_least || c.compare == Comparison::at_most;
+    const bool value_is_a = c.compare == Comparison::above || c.compare == Comparison::at_most;
+    const std::string plain = contrary ? id + "-strict" : id;
+    add(plain, "compare", 0, y_).values = {{value_is_a ? "b" : "a", c.value}};
+    wire(value, plain + (value_is_a ? ".a" : ".b"));
+    if (!contrary) return plain + ".out";
+    add(id, "not", 1, y_);
+    wire(plain + ".out", id + ".in");
+    return id + ".out";
+  }
+
+  /// Compares the choice that plays with a number. @return the output
+  std::string is_choice(const std::string& choice, double number, const std::string& id) {
+    add(id, "equal", 0, y_).values = {{"b", number}};
+    wire(choice + ".now", id + ".a");
+    return id + ".out";
+  }
+  /// Whether the motion of a rule plays, also if another rule of the character has started the same motion. @return the output
+  std::string plays_motion_of(const Rule& rule, const std::string& choice, const std::string& id) {
+    std::string any = is_choice(choice, number_of(rule), id);
+    int n = 1;
+    for (const Rule* other : play_rules(s_, rule.action.character)) {
+      const RuleAction &a = other->action, &b = rule.action;
+      if (other->id == rule.id || a.motion != b.motion || a.speed != b.speed || a.loop != b.loop) continue;
+      const std::string either = id + "-or" + std::to_string(++n);
+      const std::string also = is_choice(choice, number_of(*other), id + "-same" + std::to_string(n));
+      add(either, "or", 1, y_);
+      wire(any, either + ".a");
+      wire(also, either + ".b");
+      any = either + ".out";
+    }
+    return any;
   }
 
   std::string constant(const std::string& id, double value) {
@@ -172,7 +283,8 @@ class Maker {
   Circuit& c_;
   const Scenario& s_;
   double y_ = 0;
-  std::vector<std::pair<std::string, std::string>> last_;  // [characters] id, and the LSI of its last rule so far
+  std::vector<std::pair<const Rule*, std::string>> changes_;  // rules that change variables, and their conditions
+  std::vector<std::pair<std::string, std::string>> last_;     // [characters] id, and the LSI of its last rule so far
 };
 
 }  // namespace

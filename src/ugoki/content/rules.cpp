@@ -10,8 +10,10 @@
 namespace ugoki::content {
 namespace {
 
-constexpr std::array<std::string_view, 6> condition_names = {"key", "touch", "near", "time", "playing", "released"};
-constexpr std::array<std::string_view, 2> action_names = {"play", "push"};
+constexpr std::array<std::string_view, 7> condition_names = {"key", "touch", "near", "time", "playing", "released", "variable"};
+constexpr std::array<std::string_view, 5> action_names = {"play", "push", "grab", "release", "set"};
+constexpr std::array<std::string_view, 5> comparison_names = {"at_least", "at_most", "above", "below", "equal"};
+constexpr std::array<std::string_view, 3> change_names = {"set", "add", "toggle"};
 constexpr std::array<std::string_view, 2> mode_names = {"when", "while"};
 
 /// Reads a field that contains one of several words.
@@ -38,137 +40,48 @@ void read_condition(Fields& f, RuleCondition& c) {
   if (any(key)) f.text("key", c.key);
   if (any(touch, near, playing, released)) f.text("character", c.character);
   if (any(touch, near)) f.text("other", c.other);
-  if (any(touch)) {
+  if (any(touch, near)) {
     f.text("link", c.link);
     f.text("other_link", c.other_link);
   }
   if (any(near)) f.number("distance", c.distance);
   if (any(time)) f.number("time", c.time);
   if (any(playing)) f.text("rule", c.rule);
+  if (any(variable)) {
+    f.text("variable", c.variable);
+    read_word(f, "compare", comparison_names, c.compare);
+    f.number("value", c.value);
+  }
 }
 
 void read_action(Fields& f, RuleAction& a) {
   read_word(f, "type", action_names, a.type);
+  if (a.type == ActionType::set) {
+    f.text("variable", a.variable);
+    read_word(f, "change", change_names, a.change);
+    f.number("value", a.value);
+    return;
+  }
   f.text("character", a.character);
   if (a.type == ActionType::play) {
     f.text("motion", a.motion);
     f.number("speed", a.speed);
     f.number("blend", a.blend);
     f.boolean("loop", a.loop);
+  } else if (a.type == ActionType::grab) {
+    f.text("link", a.link);
+    f.text("other", a.other);
+    f.text("other_link", a.other_link);
+    f.boolean("rigid", a.rigid);
+    f.number("limit", a.limit);
+  } else if (a.type == ActionType::release) {
+    f.text("link", a.link);
   } else {
     f.text("link", a.link);
     f.vec3("force", a.force);
     f.number("duration", a.duration);
   }
 }
-
-/// Checks one rule.
-class Checker {
- public:
-  Checker(const Scenario& s, const Catalogue* catalogue, Error& problems) : s_(s), catalogue_(catalogue), problems_(problems) {}
-
-  void check(const Rule& rule, const std::string& at) {
-    constexpr std::size_t max_conditions = 16;  // more cannot be read as one sentence
-    if (rule.conditions.empty() || rule.conditions.size() > max_conditions)
-      problems_.add(ErrorCode::structure, at + "/if", "The rule has " + std::to_string(rule.conditions.size()) + " conditions.",
-                    "Give 1 to " + std::to_string(max_conditions) + " conditions.");
-    for (std::size_t i = 0; i < rule.conditions.size(); ++i) check(rule, rule.conditions[i], at + "/if/" + std::to_string(i));
-    check(rule.action, at + "/do");
-  }
-
- private:
-  void range(const std::string& at, double value, double low, double high, std::string_view unit) {
-    if (value >= low && value <= high) return;
-    problems_.add(
-        ErrorCode::range, at, "The value " + ugoki::to_text(value) + " is out of range.",
-        "Give a value from " + ugoki::to_text(low) + " to " + ugoki::to_text(high) + (unit.empty() ? "." : " " + std::string(unit) + "."));
-  }
-  /// The character with this id; null and a problem if there is none.
-  const ScenarioCharacter* character(const std::string& at, const std::string& id) {
-    const ScenarioCharacter* found = s_.find_character(id);
-    if (!found) problems_.add(ErrorCode::unknown, at, "There is no character '" + id + "'.", "Name a character of the document.");
-    return found;
-  }
-  const MechanismFacts* mechanism_of(const ScenarioCharacter* c) {
-    if (!c || !catalogue_) return nullptr;
-    const auto it = catalogue_->mechanisms.find(c->mechanism);
-    return it == catalogue_->mechanisms.end() ? nullptr : &it->second;
-  }
-  void link(const std::string& at, const ScenarioCharacter* c, const std::string& name) {
-    const MechanismFacts* m = mechanism_of(c);
-    if (name.empty() || !m) return;
-    const auto has = [&](const std::vector<std::string>& names) { return std::find(names.begin(), names.end(), name) != names.end(); };
-    if (!has(m->links) && !has(m->labels))
-      problems_.add(ErrorCode::unknown, at, "Mechanism '" + m->name + "' has no link '" + name + "'.", "Name one of its links.");
-  }
-
-  void check(const Rule& rule, const RuleCondition& c, const std::string& at) {
-    using enum ConditionType;
-    switch (c.type) {
-      case key:
-        if (c.key.empty() || c.key.size() > 32 ||
-            !std::all_of(c.key.begin(), c.key.end(), [](char x) { return std::isalnum(static_cast<unsigned char>(x)) != 0; }))
-          problems_.add(ErrorCode::syntax, at + "/key", "'" + c.key + "' is not the name of a key.",
-                        "Name keys by KeyboardEvent.code: Space, KeyW, ArrowUp.");
-        return;
-      case touch:
-        link(at + "/link", character(at + "/character", c.character), c.link);
-        if (!c.other.empty() && c.other != "ground") link(at + "/other_link", character(at + "/other", c.other), c.other_link);
-        return;
-      case near:
-        (void)character(at + "/character", c.character);
-        (void)character(at + "/other", c.other);
-        range(at + "/distance", c.distance, 0, 1000, "m");
-        if (c.other == c.character)
-          problems_.add(ErrorCode::structure, at + "/other", "The distance of a character from itself is not defined.",
-                        "Name another character.");
-        return;
-      case time: range(at + "/time", c.time, 0, 86400, "s"); return;
-      case playing: {
-        (void)character(at + "/character", c.character);
-        if (c.rule.empty()) return;
-        const auto found = std::find_if(s_.rules.begin(), s_.rules.end(), [&](const Rule& r) { return r.id == c.rule; });
-        if (found == s_.rules.end() || found->action.type != ActionType::play || found->action.character != c.character)
-          problems_.add(ErrorCode::unknown, at + "/rule", "There is no rule '" + c.rule + "' that plays a motion of '" + c.character + "'.",
-                        "Name a rule of the character, or an empty text for its track.");
-        else if (c.rule == rule.id)
-          problems_.add(ErrorCode::structure, at + "/rule", "The rule depends on its own motion.", "Name another rule.");
-        return;
-      }
-      case released: (void)character(at + "/character", c.character); return;
-    }
-  }
-
-  void check(const RuleAction& a, const std::string& at) {
-    const ScenarioCharacter* who = character(at + "/character", a.character);
-    if (a.type == ActionType::push) {
-      range(at + "/duration", a.duration, 0.0005, 3600, "s");
-      for (int i = 0; i < 3; ++i) range(at + "/force", a.force[i], -1e6, 1e6, "N");
-      link(at + "/link", who, a.link);
-      return;
-    }
-    range(at + "/speed", a.speed, 0.01, 100, "");
-    range(at + "/blend", a.blend, 0, 60, "s");
-    if (!is_id(a.motion, max_resource_id)) {
-      problems_.add(ErrorCode::syntax, at + "/motion", "'" + a.motion + "' cannot be the id of a motion.",
-                    "Choose a motion from the library.");
-      return;
-    }
-    if (!catalogue_) return;
-    const auto motion = catalogue_->motions.find(a.motion);
-    const MechanismFacts* m = mechanism_of(who);
-    if (motion == catalogue_->motions.end())
-      problems_.add(ErrorCode::unknown, at + "/motion", "The project has no motion '" + a.motion + "'.", "Import it, or choose another one.");
-    else if (m && motion->second.nq != m->nq)
-      problems_.add(ErrorCode::structure, at + "/motion",
-                    "Motion '" + motion->second.name + "' belongs to another mechanism than '" + m->name + "'.",
-                    "Choose a motion of this character, or retarget it first.");
-  }
-
-  const Scenario& s_;
-  const Catalogue* catalogue_;
-  Error& problems_;
-};
 
 Json to_json(const RuleCondition& c) {
   using enum ConditionType;
@@ -185,6 +98,8 @@ Json to_json(const RuleCondition& c) {
     case near:
       json["character"] = c.character;
       json["other"] = c.other;
+      if (!c.link.empty()) json["link"] = c.link;
+      if (!c.other_link.empty()) json["other_link"] = c.other_link;
       json["distance"] = c.distance;
       break;
     case time: json["time"] = c.time; break;
@@ -193,17 +108,37 @@ Json to_json(const RuleCondition& c) {
       json["rule"] = c.rule;
       break;
     case released: json["character"] = c.character; break;
+    case variable:
+      json["variable"] = c.variable;
+      json["compare"] = comparison_names[static_cast<std::size_t>(c.compare)];
+      json["value"] = c.value;
+      break;
   }
   return json;
 }
 
 Json to_json(const RuleAction& a) {
-  Json json = {{"type", action_names[static_cast<std::size_t>(a.type)]}, {"character", a.character}};
+  Json json = {{"type", action_names[static_cast<std::size_t>(a.type)]}};
+  if (a.type == ActionType::set) {
+    json["variable"] = a.variable;
+    json["change"] = change_names[static_cast<std::size_t>(a.change)];
+    json["value"] = a.value;
+    return json;
+  }
+  json["character"] = a.character;
   if (a.type == ActionType::play) {
     json["motion"] = a.motion;
     json["speed"] = a.speed;
     json["blend"] = a.blend;
     json["loop"] = a.loop;
+  } else if (a.type == ActionType::grab) {
+    json["link"] = a.link;
+    json["other"] = a.other;
+    json["other_link"] = a.other_link;
+    json["rigid"] = a.rigid;
+    json["limit"] = a.limit;
+  } else if (a.type == ActionType::release) {
+    json["link"] = a.link;
   } else {
     json["link"] = a.link;
     json["force"] = content::to_json(a.force);
@@ -236,7 +171,7 @@ void read_rule(Fields& f, Rule& rule) {
   if (const Json* object = f.find("do")) {
     Fields g(*object, f.path("do"), f.problems());
     rule.action = {};
-    g.require("type", "\"play\" or \"push\"");
+    g.require("type", "\"play\", \"push\", \"grab\", \"release\" or \"set\"");
     read_action(g, rule.action);
     g.refuse_others();
   }
@@ -250,10 +185,6 @@ Json to_json(const Rule& rule) {
           {"mode", mode_names[static_cast<std::size_t>(rule.mode)]},
           {"if", std::move(conditions)},
           {"do", to_json(rule.action)}};
-}
-
-void check_rule(const Rule& rule, const Scenario& scenario, const Catalogue* catalogue, const std::string& location, Error& problems) {
-  Checker(scenario, catalogue, problems).check(rule, location);
 }
 
 void remove_rule(Scenario& s, const std::string& id) {
@@ -270,11 +201,12 @@ void remove_rule(Scenario& s, const std::string& id) {
 void remove_rules_of(Scenario& s, std::string_view character) {
   const auto names = [&](const RuleCondition& c) {
     using enum ConditionType;
-    if (c.type == key || c.type == time) return false;
+    if (c.type == key || c.type == time || c.type == variable) return false;
     return c.character == character || ((c.type == touch || c.type == near) && c.other == character);
   };
   const auto names_it = [&](const Rule& r) {
-    return r.action.character == character || std::any_of(r.conditions.begin(), r.conditions.end(), names);
+    return r.action.character == character || (r.action.type == ActionType::grab && r.action.other == character) ||
+           std::any_of(r.conditions.begin(), r.conditions.end(), names);
   };
   for (auto found = std::find_if(s.rules.begin(), s.rules.end(), names_it); found != s.rules.end();
        found = std::find_if(s.rules.begin(), s.rules.end(), names_it))

@@ -23,36 +23,63 @@ enum class RuleMode {
 enum class ConditionType {
   key,       ///< a key of the keyboard is down
   touch,     ///< a link touches another link or the ground
-  near,      ///< the distance of two characters is below a bound
+  near,      ///< the distance of two characters, or of their links, is below a bound
   time,      ///< the scenario has reached a time
   playing,   ///< the motion of another rule plays; or the track, if no rule is named
   released,  ///< motion control has released a character, because it fell
+  variable,  ///< comparison of a variable with a value
 };
+
+/// Comparison of a variable with a value.
+enum class Comparison { at_least, at_most, above, below, equal };
 
 struct RuleCondition {
   ConditionType type = ConditionType::key;
-  bool negated = false;          ///< the condition is true if what it names is false
-  std::string key = "Space";     ///< KeyboardEvent.code (key)
-  std::string character, link;   ///< the first body; an empty link: every link (touch, near, playing, released)
-  std::string other, other_link; ///< the second body; "ground": the ground; empty: everything (touch, near)
-  double distance = 0.5;         ///< m (near)
-  double time = 1;               ///< s (time)
-  std::string rule;              ///< id of a rule that plays a motion of `character`; empty: its track (playing)
+  bool negated = false;           ///< the condition is true if what it names is false
+  std::string key = "Space";      ///< KeyboardEvent.code (key)
+  std::string character, link;    ///< the first body (touch, near, playing, released); an empty link: every link (touch, near)
+  std::string other, other_link;  ///< the second body; "ground": the ground; empty: everything (touch, near)
+  double distance = 0.5;          ///< m (near)
+  double time = 1;                ///< s (time)
+  std::string rule;               ///< id of a rule that plays a motion of `character`; empty: its track (playing)
+  std::string variable;           ///< id of a variable (variable)
+  Comparison compare = Comparison::at_least;
+  double value = 1;  ///< right side of the comparison; a switch is 1 if it is on (variable)
   friend bool operator==(const RuleCondition&, const RuleCondition&) = default;
 };
 
-enum class ActionType { play, push };
+enum class ActionType {
+  play,
+  push,
+  grab,     ///< a link grips a link of another character, or the world
+  release,  ///< a link releases what it grips
+  set       ///< a variable gets another value
+};
+
+/// How the action `set` changes a variable.
+enum class VariableChange {
+  set,    ///< the variable gets the value
+  add,    ///< the value is added: once in the mode `when`, per second in the mode `while`
+  toggle  ///< the variable changes between 0 and 1
+};
 
 struct RuleAction {
   ActionType type = ActionType::play;
   std::string character;
-  std::string motion;     ///< id of a motion (play)
-  double speed = 1;       ///< s of motion per s (play)
-  double blend = 0.2;     ///< s, duration of the transitions to and from the motion (play)
-  bool loop = false;      ///< repeat the motion (play)
-  std::string link;       ///< name or label of the link (push)
-  Vec3 force;             ///< N, world (push)
-  double duration = 0.2;  ///< s, of a push in the mode `when`
+  std::string motion;      ///< id of a motion (play)
+  double speed = 1;        ///< s of motion per s (play)
+  double blend = 0.2;      ///< s, duration of the transitions to and from the motion (play)
+  bool loop = false;       ///< repeat the motion (play)
+  std::string link;        ///< name or label of the link (push, grab, release)
+  Vec3 force;              ///< N, world (push)
+  double duration = 0.2;   ///< s, of a push in the mode `when`
+  std::string other;       ///< id of the character that is gripped; empty: the world (grab)
+  std::string other_link;  ///< name or label of its link; empty: the root (grab)
+  bool rigid = false;      ///< the orientation of the link relative to the other one is held as well (grab)
+  double limit = 450;      ///< N, a larger force opens the grip (grab)
+  std::string variable;    ///< id of a variable (set)
+  VariableChange change = VariableChange::add;
+  double value = 1;  ///< (set)
   friend bool operator==(const RuleAction&, const RuleAction&) = default;
 };
 

@@ -35,6 +35,12 @@ class Checker {
       check_own_id(location + "/id", s_.rules[i].id);
       check_rule(s_.rules[i], s_, catalogue_, location, problems_);
     }
+    for (std::size_t i = 0; i < s_.variables.size(); ++i) {
+      const std::string location = root_ + "/variables/" + std::to_string(i);
+      check_own_id(location + "/id", s_.variables[i].id);
+      check_name(location + "/name", s_.variables[i].name);
+      check_variable(s_.variables[i], location, problems_);
+    }
     for (std::size_t i = 0; i < s_.poses.size(); ++i) {
       const std::string location = root_ + "/poses/" + std::to_string(i);
       check_own_id(location + "/id", s_.poses[i].id);
@@ -392,6 +398,7 @@ Result<Scenario> read_scenario(std::string_view text, std::string_view name) {
   });
   read_list(f, "markers", [&](Fields& g) { read_marker(g, s.markers.emplace_back()); });
   read_list(f, "rules", [&](Fields& g) { read_rule(g, s.rules.emplace_back()); });
+  read_list(f, "variables", [&](Fields& g) { read_variable(g, s.variables.emplace_back()); });
   read_list(f, "poses", [&](Fields& g) {
     g.require("joints", "a list of joints");
     read_pose(g, s.poses.emplace_back());

@@ -14,6 +14,7 @@
 #include "ugoki/content/gait_recipe.h"
 #include "ugoki/content/look.h"
 #include "ugoki/content/rules.h"
+#include "ugoki/content/variables.h"
 #include "ugoki/mechanism/joint.h"
 #include "ugoki/motion_edit/keyed_layer.h"
 #include "ugoki/spatial/vec3.h"
@@ -177,11 +178,12 @@ struct Scenario {
   Vec3 gravity = {0, 0, -9.81};  ///< m/s^2, world
   ScenarioGround ground;
   std::vector<ScenarioCharacter> characters;
-  std::vector<ScenarioEvent> events;     ///< sorted by time
-  std::vector<ScenarioMarker> markers;   ///< sorted by time
-  std::vector<Rule> rules;               ///< by falling priority
-  std::vector<ScenarioPose> poses;       ///< the pose library, in the order in which it is shown
-  std::vector<std::string> track_order;  ///< ids of characters in the order of their tracks in the timeline; others follow
+  std::vector<ScenarioEvent> events;        ///< sorted by time
+  std::vector<ScenarioMarker> markers;      ///< sorted by time
+  std::vector<Rule> rules;                  ///< by falling priority
+  std::vector<ScenarioVariable> variables;  ///< in the order in which they are shown
+  std::vector<ScenarioPose> poses;          ///< the pose library, in the order in which it is shown
+  std::vector<std::string> track_order;     ///< ids of characters in the order of their tracks in the timeline; others follow
   ScenarioRange range;
   ScenarioCamera camera;
   std::vector<FilmCamera> cameras;

@@ -326,6 +326,11 @@ Json to_json(const Scenario& s) {
     for (const Rule& r : s.rules) rules.push_back(to_json(r));
     json["rules"] = std::move(rules);
   }
+  if (!s.variables.empty()) {
+    Json variables = Json::array();
+    for (const ScenarioVariable& v : s.variables) variables.push_back(to_json(v));
+    json["variables"] = std::move(variables);
+  }
   if (!s.poses.empty()) {
     Json poses = Json::array();
     for (const ScenarioPose& pose : s.poses) poses.push_back(to_json(pose));

@@ -23,6 +23,7 @@ void read_circuit_field(Fields& fields, Scenario& out);
 [[nodiscard]] Json to_json(const ScenarioCharacter& character);
 [[nodiscard]] Json to_json(const ScenarioEvent& event);
 [[nodiscard]] Json to_json(const Rule& rule);
+[[nodiscard]] Json to_json(const ScenarioVariable& variable);
 [[nodiscard]] Json to_json(const Scenario& scenario);
 
 }  // namespace ugoki::content

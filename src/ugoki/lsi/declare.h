@@ -43,6 +43,8 @@ void add_event(circuit::Library& library);
 void add_retrieval(circuit::Library& library);
 void add_choice(circuit::Library& library);
 void add_rules(circuit::Library& library);
+void add_grip_rule(circuit::Library& library);
+void add_variables(circuit::Library& library);
 void add_interpolation(circuit::Library& library);
 void add_control(circuit::Library& library);
 void add_grip(circuit::Library& library);

@@ -117,10 +117,15 @@ circuit::Parameter text_parameter(std::string name, std::string doc) {
   return p;
 }
 
-/// Returns the index of the link that the parameter `name` names; -1: all links. Reports an unknown link, and a link without shapes.
+/// Returns the index of the link that the parameter `name` names, by its name or label; -1: all links. Reports an unknown link, and a link
+/// without shapes.
 int link_of(Setup& s, const Character* who, const char* name) {
-  if (!who || s.lsi_class().find_parameter(name) < 0) return -1;
-  const int link = who->mechanism->find_link(s.text(name));
+  const std::string& text = s.text(name);
+  if (!who || (text.empty() && s.lsi_class().name == "closest pair")) return -1;
+  const Mechanism& m = *who->mechanism;
+  int link = m.find_link(text);
+  for (int i = 0; link < 0 && i < m.link_count(); ++i)
+    if (!text.empty() && m.link(i).label == text) link = i;
   if (link < 0)
     s.fail(ErrorCode::unknown, "'" + who->id + "' has no link '" + s.text(name) + "'.", "Use the name of one of its links.");
   else if (who->mechanism->link(link).shapes.empty())
@@ -225,7 +230,10 @@ void add_distance(circuit::Library& library) {
                         text_parameter("other", "Id of the other character."),
                         text_parameter("other link", "Name of the other character's link.")};
   library.add(std::move(gilbert));
-  library.add(distance_class("closest pair", "The closest points of two characters, and the links on which they are."));
+  circuit::LsiClass pair = distance_class("closest pair", "The closest points of two characters, and the links on which they are.");
+  pair.parameters.push_back(text_parameter("link", "Name or label of the character's link; empty: every link."));
+  pair.parameters.push_back(text_parameter("other link", "Name or label of the other character's link; empty: every link."));
+  library.add(std::move(pair));
 
   circuit::LsiClass c;
   c.group = "collision";

@@ -22,11 +22,12 @@ namespace ugoki::lsi {
 ///   throwing of the root, a: position, m; b: velocity, m/s; c: angular velocity, rad/s
 ///   touch    a: contact point, m; b: impulse on the link in the first step, N s; c: indices of the other character (-1: ground) and link
 ///   parting  a: point at which the touch began, m; b: total impulse of the touch, N s; c: as in touch; `duration`, s: of the touch
-///   gripping of a link (scenario only), a: gripping point in the frame of the link, m; b: target in the frame of the other link or in the
+///   gripping of a link (scenario and rules), a: gripping point in the frame of the link, m; b: target in the frame of the other link or in
+///   the
 ///            world, m; c: indices of the other character (-1: the world) and link, and Grip flags; spare: limit of the force, N, and
 ///            reach, m. In the output `grips` of `dynamics`: a: force on the link, N; b: gripping point, m; c: other character, link, force
 ///            / limit; `duration`, s: since the grip was made; spare: gap, m, and moment on the link, N m
-///   opening  end of the grips of a link                    (scenario only)
+///   opening  end of the grips of a link                    (scenario and rules)
 ///   omitted  a: x: number of further touches and partings of the tick, for which the output has no room; the last record of the tick
 enum class EventKind : std::uint32_t {
   none = 0,

@@ -14,6 +14,8 @@ const circuit::Library& standard_library() {
     add_retrieval(all);
     add_choice(all);
     add_rules(all);
+    add_grip_rule(all);
+    add_variables(all);
     add_interpolation(all);
     add_control(all);
     add_balance(all);

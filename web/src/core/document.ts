@@ -10,6 +10,7 @@ import type { Vec3 } from './protocol';
 import { edit_keys, type KeyedLayer, type KeyName, type KeyPut } from './posing/keys';
 import type { StoredPose } from './posing/pose_library';
 import type { Rule } from './rules';
+import type { Variable, VariableFields } from './variables';
 
 /** Place on the floor of a character's first frame, world frame, m. Without clips: place of its neutral pose. */
 export interface Place {
@@ -133,6 +134,8 @@ export interface ScenarioDocument {
   markers?: Marker[];
   /** By falling priority. Absent: there are none. */
   rules?: Rule[];
+  /** In the order in which they are shown. Absent: there are none. */
+  variables?: Variable[];
   /** Stored poses. Absent: there are none. */
   poses?: StoredPose[];
   /** Ids of characters in the order of their tracks; the others follow. Absent: the order of `characters`. */
@@ -177,13 +180,16 @@ export type Command =
   | { type: 'rule.set'; id: string; rule: Partial<Omit<Rule, 'id'>> }
   | { type: 'rule.move'; id: string; at: number }
   | { type: 'rule.remove'; id: string }
+  | { type: 'variable.add'; variable: VariableFields & { id?: string } }
+  | { type: 'variable.set'; id: string; variable: VariableFields }
+  | { type: 'variable.remove'; id: string }
   | { type: 'camera.add'; camera: Partial<FilmCamera> }
   | { type: 'camera.set'; id: string; camera: Partial<Omit<FilmCamera, 'id'>> }
   | { type: 'camera.remove'; id: string }
   | { type: 'shot.add'; shot: FilmShot }
   | { type: 'shot.set'; id: string; shot: Partial<Omit<FilmShot, 'id'>> }
   | { type: 'shot.remove'; id: string }
-  | ({ type: 'scenario.set' } & Partial<Omit<ScenarioDocument, 'version' | 'characters' | 'events' | 'rules' | 'poses' | 'track_order' | 'cameras' | 'shots' | 'circuit'>>)
+  | ({ type: 'scenario.set' } & Partial<Omit<ScenarioDocument, 'version' | 'characters' | 'events' | 'rules' | 'variables' | 'poses' | 'track_order' | 'cameras' | 'shots' | 'circuit'>>)
   | { type: 'circuit.set'; circuit: Circuit | null }
   | { type: 'circuit.edit'; label: string; changes: Change[] }
   | { type: 'group'; label: string; commands: Command[] };
@@ -324,6 +330,10 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
     }
     case 'rule.remove':
       return { ...doc, rules: (doc.rules ?? []).filter((r) => r.id !== command.id) };
+    case 'variable.set':
+      return { ...doc, variables: (doc.variables ?? []).map((v) => (v.id === command.id ? { ...v, ...command.variable } : v)) };
+    case 'variable.remove':
+      return { ...doc, variables: (doc.variables ?? []).filter((v) => v.id !== command.id) };
     case 'event.add': {
       const { id } = command.event;
       return id === undefined ? doc : { ...doc, events: [...doc.events, { ...command.event, id }].sort((a, b) => a.time - b.time) };

@@ -310,6 +310,12 @@ export class Session {
     this.send_watch();
   }
 
+  /** Selects the values of variables that the viewport shows, in addition to those of watch(). */
+  watch_variables(pins: string[]): void {
+    this.watches.variables = pins;
+    this.send_watch();
+  }
+
   /** Selects outputs whose curves the plots panel shows, in addition to those of watch(). */
   watch_plots(probes: string[]): void {
     this.watches.plots = probes;

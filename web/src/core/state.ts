@@ -19,6 +19,7 @@ export type Selection =
   | { kind: 'camera'; camera: string }
   | { kind: 'shot'; shot: string }
   | { kind: 'rule'; rule: string }
+  | { kind: 'variable'; variable: string }
   | { kind: 'entry'; entry: string }
   /** The selection is in the wiring editor (EditorState). */
   | { kind: 'circuit' };
@@ -203,6 +204,8 @@ export function valid_selection(selection: Selection, document: ScenarioDocument
       return valid_items(selection, document);
     case 'rule':
       return document.rules?.some((r) => r.id === selection.rule) ? selection : none;
+    case 'variable':
+      return document.variables?.some((v) => v.id === selection.variable) ? selection : none;
     case 'camera':
       return document.cameras?.some((c) => c.id === selection.camera) ? selection : none;
     case 'shot':

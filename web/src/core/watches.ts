@@ -5,6 +5,8 @@ export class Watches {
   circuit: { pins: string[]; probes: string[]; timing: boolean } = { pins: [], probes: [], timing: false };
   /** Outputs whose values the rules panel shows. */
   rules: string[] = [];
+  /** Outputs with the values of variables that the viewport shows. */
+  variables: string[] = [];
   /** Outputs whose curves the plots panel shows. */
   plots: string[] = [];
   /** The request that was sent last, as JSON; empty if it must be sent again. */
@@ -13,7 +15,7 @@ export class Watches {
   /** The `watch` request; null if it equals the one sent before. @param closest whether the viewport shows closest pairs */
   change(closest: boolean): Request | null {
     const both = (a: string[], b: string[]): string[] => [...new Set([...a, ...b])];
-    const request: Request = { op: 'watch', ...this.circuit, pins: both(this.circuit.pins, this.rules), probes: both(this.circuit.probes, this.plots), closest };
+    const request: Request = { op: 'watch', ...this.circuit, pins: both(both(this.circuit.pins, this.rules), this.variables), probes: both(this.circuit.probes, this.plots), closest };
     const text = JSON.stringify(request);
     if (text === this.sent) return null;
     this.sent = text;

@@ -7,6 +7,7 @@ import { link_position } from '../core/frames';
 import { describe_entry, format_length, format_mass } from '../core/library/words';
 import type { LibraryEntry, MechanismData, Vec3 } from '../core/protocol';
 import { shown_document } from '../core/state';
+import { find_variable } from '../core/variables';
 import { run } from './actions';
 import { session, usePoser, useStudio } from './app';
 import { CircuitSelection } from './circuit/LsiInspector';
@@ -17,6 +18,7 @@ import { MotionOperations } from './motion/ClipMenu';
 import { GaitFields } from './motion/GaitFields';
 import { JointFields } from './posing/JointFields';
 import { EntryDetails } from './library/EntryDetails';
+import { VariableFields } from './rules/Variables';
 import { ChoiceField, NumberField, SwitchField, TextField } from './NumberField';
 
 const send = (command: Command): void => void session.edit(command);
@@ -51,6 +53,9 @@ export function InspectorPanel(): ReactElement {
   } else if (selection.kind === 'shot') {
     const shot = find_shot(doc, selection.shot);
     if (shot) body = <ShotFields key={shot.id} shot={shot} doc={doc} />;
+  } else if (selection.kind === 'variable') {
+    const variable = find_variable(doc, selection.variable);
+    if (variable) body = <VariableFields key={variable.id} variable={variable} />;
   } else if (selection.kind === 'marker') {
     const marker = find_marker(doc, selection.marker);
     if (marker) body = <MarkerFields key={marker.id} marker={marker} />;

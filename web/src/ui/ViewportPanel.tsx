@@ -14,6 +14,7 @@ import { FilmFrame, ThroughChoice } from './film/ThroughBar';
 import { PathOverlay } from './motion/PathOverlay';
 import { PlayControlsBar } from './PlayControlsBar';
 import { PoseHandles, PoseLabels, PoseTools, ToolChoice } from './posing/PoseOverlay';
+import { VariableBoard } from './rules/Variables';
 import { ViewCube } from './ViewCube';
 
 export function ViewportPanel(): ReactElement {
@@ -118,6 +119,7 @@ export function ViewportPanel(): ReactElement {
       <PoseTools />
       {viewport && <Badges viewport={viewport} />}
       {viewport && <Distances viewport={viewport} />}
+      <VariableBoard />
       <AssistCard />
       {running && !controls && <p className="viewport-hint">Drag a character to pull it</p>}
       <PlayControlsBar host={host} />

@@ -5,7 +5,7 @@ import { link_position } from '../core/frames';
 import { all_items, duplicate_items, remove_items, selection_of } from '../core/items';
 import { next_span, type BadSpan } from '../core/measures';
 import type { AppCommand } from '../core/commands';
-import { character_for_rule, new_condition, type Rule } from '../core/rules';
+import { add_rule } from './rules/templates';
 import { draft_key, selected_character, type Selection } from '../core/state';
 import { reads_anything } from '../core/play_controls';
 import type { StudioState, ViewOptions } from '../core/state';
@@ -62,6 +62,7 @@ function remove_selection(): void {
   else if (selection.kind === 'event') void session.edit({ type: 'event.remove', id: selection.event });
   else if (selection.kind === 'character') void session.edit({ type: 'character.remove', id: selection.character });
   else if (selection.kind === 'rule') void session.edit({ type: 'rule.remove', id: selection.rule });
+  else if (selection.kind === 'variable') void session.edit({ type: 'variable.remove', id: selection.variable });
   else if (selection.kind === 'circuit') circuit.remove();
 }
 
@@ -142,37 +143,6 @@ export function add_motion(character: string, motion: string, start: number): Pr
     return undefined;
   }
   return insert_clip(character, { motion, start, id: session.fresh_id('k'), ...(entry?.duration ? { length: entry.duration } : {}) });
-}
-
-/** New rules that the menu offers. */
-export const rule_templates = [
-  { id: 'pressed', label: 'When a key is pressed, play…', hint: 'The motion plays once; then the track goes on' },
-  { id: 'held', label: 'While a key is held, play…', hint: 'The motion repeats until the key is released' },
-  { id: 'touch', label: 'When something touches, play…', hint: 'A touch of two bodies, or of a body and the ground' },
-  { id: 'near', label: 'When something is near, play…', hint: 'The distance of two characters falls below a bound' },
-  { id: 'time', label: 'When a time has passed, play…', hint: 'At a time of the scenario' },
-  { id: 'push', label: 'When a key is pressed, push…', hint: 'A force acts on a part of a character' },
-] as const;
-
-/** Adds a rule of a template for the selected character, shows the rules panel, and selects the rule. */
-export function add_rule(template: (typeof rule_templates)[number]['id']): void {
-  const { document } = state();
-  const character = document && character_for_rule(document, selected_character(state()) ?? undefined);
-  if (!document || !character) return;
-  if (template === 'near' && document.characters.length < 2) return session.notify('A distance needs two characters. Add another one first.');
-  const motion = character.track[0]?.motion;
-  if (template !== 'push' && !motion) return session.notify(`${character.name} has no clip. Drag a motion onto its track first; it plays while no rule is active.`);
-  const id = session.fresh_id('r');
-  const held = template === 'held';
-  const action: Rule['do'] = template === 'push' || !motion
-    ? { type: 'push', character: character.id, link: '', force: [200, 0, 0], duration: 0.2 }
-    : { type: 'play', character: character.id, motion, speed: 1, blend: 0.3, loop: held };
-  const condition = new_condition(template === 'touch' || template === 'near' || template === 'time' ? template : 'key', document, character.id);
-  void session.edit({ type: 'rule.add', rule: { id, on: true, mode: held ? 'while' : 'when', if: [condition], do: action } }).then((ok) => {
-    if (!ok) return;
-    parts.show_panel('rules');
-    session.select({ kind: 'rule', rule: id });
-  });
 }
 
 const ground_height = (): number => state().document?.ground?.height ?? 0;

@@ -1,13 +1,17 @@
 /** Rules panel: sentences by falling priority, and the state machine of one character. What just happened is marked, with a count. */
 import { useEffect, useState, type DragEvent, type ReactElement } from 'react';
-import { character_for_rule, new_condition, rule_lsi, rule_problem, rule_text, set_rule, type Rule } from '../../core/rules';
+import { action_character, character_for_rule, new_condition, rule_lsi, rule_problem, rule_text, set_rule, transition_rule, type Rule } from '../../core/rules';
+import { variable_pin } from '../../core/variables';
+import type { ScenarioDocument } from '../../core/document';
 import { selected_character, shown_document } from '../../core/state';
-import { add_rule, rule_templates, run } from '../actions';
+import { run } from '../actions';
 import { page, session, useLibrary, useStudio } from '../app';
 import { Icon } from '../icons';
 import { Menu } from '../Menu';
 import { Graph } from './Graph';
 import { Sentence } from './Sentence';
+import { add_rule, rule_templates } from './templates';
+import { VariableRow } from './Variables';
 
 const poll_time = 120; // ms between two looks at the live values; the service sends them at most 15 times a second
 
@@ -44,10 +48,11 @@ export function RulesPanel(): ReactElement {
   const rules = doc?.rules ?? [];
   const motion_name = (motion: string): string => session.entry(motion)?.name ?? motion;
   const selected = selection.kind === 'rule' ? rules.find((r) => r.id === selection.rule) : undefined;
-  const shown = doc && character_for_rule(doc, selected?.do.character ?? preferred ?? rules.find((r) => r.do.type === 'play')?.do.character);
+  const shown = doc && character_for_rule(doc, (selected && action_character(selected.do)) || preferred || rules.flatMap((r) => (r.do.type === 'play' ? [r.do.character] : []))[0]);
   const choice = generated?.lsis?.find((l) => l.type === 'motion choice' && l.parameters?.character === shown?.id)?.id;
   const pins = edited ? [] : rules.filter((r) => r.on && !(doc && rule_problem(doc, r))).flatMap((r) => [`${rule_lsi(r)}.active`, `${rule_lsi(r)}.count`]);
-  const watched = choice && !edited ? [...pins, `${choice}.now`] : pins;
+  const variables = edited ? [] : (doc?.variables ?? []).map(variable_pin);
+  const watched = [...pins, ...variables, ...(choice && !edited ? [`${choice}.now`] : [])];
   const values = use_pins(watched);
   const value_of = (pin: string): number => values[watched.indexOf(pin)] ?? NaN;
   const now = choice ? value_of(`${choice}.now`) : NaN;
@@ -74,6 +79,7 @@ export function RulesPanel(): ReactElement {
           <button type="button" className="quiet" onClick={() => run('circuit.reset')}>Use the generated circuit</button>
         </p>
       )}
+      {doc.characters.length > 0 && <VariableRow doc={doc} value_of={value_of} />}
       {rules.length === 0 ? (
         <div className="rules-empty">
           <strong>Rules make the content interactive</strong>
@@ -101,7 +107,7 @@ export function RulesPanel(): ReactElement {
                 text={rule_text(doc, rule, motion_name)}
                 dragged={dragged}
                 set_dragged={set_dragged}
-                add_condition={() => void session.edit(set_rule(rule.id, { if: [...rule.if, new_condition('key', doc, rule.do.character)] }))}
+                add_condition={() => void session.edit(set_rule(rule.id, { if: [...rule.if, new_condition('key', doc, action_character(rule.do))] }))}
               >
                 <Sentence doc={doc} rule={rule} motion_name={motion_name} />
               </RuleRow>
@@ -110,7 +116,7 @@ export function RulesPanel(): ReactElement {
           {shown && rules.some((r) => r.do.type === 'play') && (
             <section className="rule-states" aria-label="State machine">
               <h4>States of {shown.name}</h4>
-              <Graph doc={doc} character={shown} motion_name={motion_name} now={Number.isNaN(now) ? null : now} />
+              <Graph doc={doc} character={shown} motion_name={motion_name} now={Number.isNaN(now) ? null : now} connect={(from, to) => connect(doc, shown.id, from, to)} add_state={(entry) => add_state(shown.id, entry)} />
             </section>
           )}
         </div>
@@ -118,6 +124,27 @@ export function RulesPanel(): ReactElement {
       {menu && <Menu x={menu.x} y={menu.y} over label="New rule" close={() => set_menu(null)} items={rule_templates.map((t) => ({ label: t.label, title: t.hint, run: () => add_rule(t.id) }))} />}
     </div>
   );
+}
+
+/** Adds a rule and selects it. */
+function add(rule: Omit<Rule, 'id'>): void {
+  const id = session.fresh_id('r');
+  void session.edit({ type: 'rule.add', rule: { ...rule, id } }).then((ok) => ok && session.select({ kind: 'rule', rule: id }));
+}
+
+/** A drag between two states: a transition when a key is pressed; the key is a chip of the new rule. */
+function connect(doc: ScenarioDocument, character: string, from: string, to: string): void {
+  const rule = transition_rule(doc, character, from, to);
+  if (rule) add(rule);
+  else session.notify('A motion returns to the track by itself: when it ends, or when its “while” ends. Drag to a state with a motion.');
+}
+
+/** A motion that is dropped on the states: a new state, which a key starts. */
+function add_state(character: string, key: string): void {
+  const { document } = session.state;
+  const entry = session.entry(key);
+  if (!document || !entry) return;
+  add({ on: true, mode: 'when', if: [new_condition('key', document, character)], do: { type: 'play', character, motion: entry.id, speed: 1, blend: 0.3, loop: false } });
 }
 
 interface RowProps {
