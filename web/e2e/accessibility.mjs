@@ -42,6 +42,11 @@ export const views = [
   ['a search without a result', (page) => page.getByRole('searchbox', { name: 'Search the library' }).fill('xyzzy'), (page) => page.getByRole('searchbox', { name: 'Search the library' }).fill('')],
   ['the command palette', (page) => page.keyboard.press('Control+k'), escape],
   ['the keys', (page) => page.keyboard.press('F1'), escape],
+  ['the change of keys', async (page) => {
+    await page.keyboard.press('F1');
+    await page.getByRole('button', { name: 'Change keys…' }).click();
+    await page.locator('.key-editor-row').first().waitFor();
+  }, escape],
   ['the tour', async (page) => {
     await page.keyboard.press('F1');
     await page.getByRole('button', { name: 'Take the tour' }).click();

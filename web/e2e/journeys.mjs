@@ -8,6 +8,7 @@ import { accessibility_journeys } from './accessibility.mjs';
 import { body_journeys } from './bodies.mjs';
 import { circuit_journeys } from './circuit.mjs';
 import { control_journeys } from './controls.mjs';
+import { key_journeys } from './keys.mjs';
 import { plugin_journeys } from './plugins.mjs';
 import { editor_journeys } from './editor.mjs';
 import { recording_journeys } from './recordings.mjs';
@@ -464,7 +465,7 @@ export const journeys = [
   ...accessibility_journeys,
   ...repair_journeys,
   ...editor_journeys,
-  ...posing_journeys, ...timeline_journeys, ...rule_journeys, ...look_journeys,
+  ...posing_journeys, ...timeline_journeys, ...rule_journeys, ...key_journeys, ...look_journeys,
   ...body_journeys,
   ...motion_journeys,
   ...gait_journeys,

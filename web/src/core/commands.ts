@@ -1,4 +1,5 @@
 /** The registry of named commands: palette, keys and buttons all run commands from it. */
+import { default_keys, no_key_edits, type KeyEdits } from './key_edits';
 import type { KeymapName } from './keymap';
 
 export interface AppCommand {
@@ -17,6 +18,8 @@ export interface AppCommand {
 
 export class CommandRegistry {
   private readonly commands = new Map<string, AppCommand>();
+  /** Keys that the user has changed. */
+  edits: KeyEdits = no_key_edits;
 
   add(...commands: AppCommand[]): void {
     for (const command of commands) {
@@ -34,7 +37,7 @@ export class CommandRegistry {
   }
 
   keys_of(command: AppCommand, keymap: KeymapName): string[] {
-    return [...(command.keys ?? []), ...((keymap === 'industry' ? command.industry : command.blender) ?? [])];
+    return [...(this.edits[keymap][command.id] ?? default_keys(command, keymap))];
   }
 
   /** The command of a key: the first that is enabled, otherwise the first. Tools, which are registered first, use keys of other commands. */

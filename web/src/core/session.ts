@@ -440,10 +440,10 @@ export class Session {
     this.set({ log: [...this.state.log.slice(-log_capacity + 1), line] });
   }
 
-  /** Stores keymap, theme and view options for other pages and the next start of the studio. */
+  /** Stores keymap, changed keys, theme and view options for other pages and the next start of the studio. */
   remember(): void {
-    const { keymap, theme, view } = this.state;
-    this.client.request({ op: 'remember', choices: { keymap, theme, view } }).catch(() => undefined); // on failure the choices are not stored
+    const { keymap, key_edits: keys, theme, view } = this.state;
+    this.client.request({ op: 'remember', choices: { keymap, keys, theme, view } }).catch(() => undefined); // on failure the choices are not stored
   }
 
   private toast(level: Toast['level'], problems: Problem[]): void {

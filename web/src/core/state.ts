@@ -1,6 +1,7 @@
 /** The page's state, drawn by React. Frames are not part of it: the viewport reads them from the FrameRing. */
 import type { ScenarioDocument } from './document';
 import { valid_items, type Item } from './items';
+import { no_key_edits, read_key_edits, type KeyEdits } from './key_edits';
 import type { KeymapName } from './keymap';
 import type { Breakpoint, BreakpointHit } from './circuit/breakpoints';
 import { ClassList } from './circuit/classes';
@@ -100,11 +101,13 @@ export interface StudioState {
   selection: Selection;
   view: ViewOptions;
   keymap: KeymapName;
+  /** Keys that the user has changed. */
+  key_edits: KeyEdits;
   theme: 'dark' | 'light';
   toasts: Toast[];
   /** The camera of the viewport: 'free' (moved by the user), 'shots' (the shot at the playhead), or the id of a camera of the document. */
   through: string;
-  dialog: 'none' | 'palette' | 'keys' | 'save_as' | 'open' | 'new' | 'sweep';
+  dialog: 'none' | 'palette' | 'keys' | 'edit_keys' | 'save_as' | 'open' | 'new' | 'sweep';
 }
 
 export const initial_transport: Transport = {
@@ -151,6 +154,7 @@ export const initial_state: StudioState = {
   selection: { kind: 'none' },
   view: { perspective: true, ghosts: false, trail: false, contacts: false, closest: false, shapes: false, follow: false, assist: true, safe: true, draft: false },
   keymap: 'industry',
+  key_edits: no_key_edits,
   theme: 'dark',
   toasts: [],
   through: 'free',
@@ -158,15 +162,15 @@ export const initial_state: StudioState = {
 };
 
 /** Choices that the user made in another page or session. Unknown keys and values of a wrong type are ignored. */
-export function read_choices(choices: unknown): Pick<StudioState, 'keymap' | 'theme' | 'view'> {
-  const { keymap, theme, view } = (typeof choices === 'object' && choices !== null ? choices : {}) as Record<string, unknown>;
+export function read_choices(choices: unknown): Pick<StudioState, 'keymap' | 'key_edits' | 'theme' | 'view'> {
+  const { keymap, keys, theme, view } = (typeof choices === 'object' && choices !== null ? choices : {}) as Record<string, unknown>;
   const kept = { ...initial_state.view };
   const stored = (view ?? {}) as Record<string, unknown>;
   for (const key of Object.keys(kept) as (keyof ViewOptions)[]) {
     const value = stored[key] ?? (key === 'closest' ? stored.nearest : undefined); // `nearest` is the old name of `closest`
     if (typeof value === 'boolean' && key !== 'follow') kept[key] = value;
   }
-  return { keymap: keymap === 'blender' ? 'blender' : 'industry', theme: theme === 'light' ? 'light' : 'dark', view: kept };
+  return { keymap: keymap === 'blender' ? 'blender' : 'industry', key_edits: read_key_edits(keys).edits, theme: theme === 'light' ? 'light' : 'dark', view: kept };
 }
 
 /** The document to draw: the preview if there is one, otherwise the service's document. */

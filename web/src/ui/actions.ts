@@ -528,6 +528,7 @@ const commands: AppCommand[] = [
   { id: 'page.fit', label: 'Fit the timeline', group: 'Page', keys: ['Home'], run: () => parts.fit_timeline() },
   { id: 'page.palette', label: 'All commands…', group: 'Page', keys: ['Ctrl+K', 'Ctrl+P'], run: () => session.set({ dialog: state().dialog === 'palette' ? 'none' : 'palette' }) },
   { id: 'page.keys', label: 'Show keyboard shortcuts', group: 'Page', keys: ['?', 'F1'], run: () => session.set({ dialog: state().dialog === 'keys' ? 'none' : 'keys' }) },
+  { id: 'page.edit_keys', label: 'Change keys…', group: 'Page', run: () => session.set({ dialog: 'edit_keys' }) },
   { id: 'page.tour', label: 'Take the tour', group: 'Page', run: () => { session.set({ dialog: 'none' }); page.setState({ tour: 0 }); } },
   { id: 'page.theme', label: 'Switch between dark and light theme', group: 'Page', run: () => { session.set({ theme: state().theme === 'dark' ? 'light' : 'dark' }); session.remember(); } },
   { id: 'page.keymap', label: 'Switch keymap: industry or Blender-like', group: 'Page', run: () => {

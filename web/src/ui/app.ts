@@ -110,6 +110,9 @@ export const service_fetch = (path: string, init?: RequestInit): Promise<Respons
 export const plain_canvas: CanvasRenderingContext2DSettings = { willReadFrequently: true };
 
 export const registry = new CommandRegistry();
+session.store.subscribe((state) => {
+  registry.edits = state.key_edits;
+});
 
 /** State of the page that is not part of the session. */
 export interface PageState {

@@ -5,6 +5,7 @@ import { code_in } from '../core/access';
 import { access, registry, session, useStudio } from './app';
 import { NewDialog, OpenDialog } from './files';
 import { Icon } from './icons';
+import { KeyEditor } from './KeyEditor';
 import { SweepDialog } from './SweepDialog';
 
 const close = (): void => session.set({ dialog: 'none' });
@@ -13,6 +14,7 @@ export function Dialogs(): ReactElement | null {
   const dialog = useStudio((s) => s.dialog);
   if (dialog === 'palette') return <Palette />;
   if (dialog === 'keys') return <Keys />;
+  if (dialog === 'edit_keys') return <KeyEditor />;
   if (dialog === 'save_as') return <SaveAs />;
   if (dialog === 'open') return <OpenDialog />;
   if (dialog === 'new') return <NewDialog />;
@@ -139,6 +141,7 @@ const mouse_both: [string, string][] = [
 
 function Keys(): ReactElement {
   const keymap = useStudio((s) => s.keymap);
+  useStudio((s) => s.key_edits);
   const groups = [...new Set(registry.all().map((c) => c.group))];
   return (
     <Backdrop label="Keyboard and mouse">
@@ -161,6 +164,7 @@ function Keys(): ReactElement {
               </button>
             ))}
           </div>
+          <button type="button" className="quiet" onClick={() => registry.run('page.edit_keys')}>Change keys…</button>
           <button type="button" className="quiet" onClick={() => registry.run('page.tour')}>Take the tour</button>
           <button type="button" className="tool" aria-label="Close" title="Close  (Esc)" autoFocus onClick={close}>
             <Icon name="close" />
