@@ -138,6 +138,53 @@ TEST(Recognise, StarsWithThousandsOfBranchesAreRecognisedInBoundedWork) {
   EXPECT_NE(recognise_character(star).plan, BodyPlan::human);
 }
 
+/// An animal with four legs of four joints each, a neck, a head, and a pair of chains of four joints at the pelvis. All joints swing.
+/// @param pair name of the pair's joints
+MeasuredMotion animal_with_pair(const std::string& pair) {
+  MeasuredMotion m;
+  m.rate = 30;
+  m.frames = 40;
+  const auto add = [&](const std::string& name, int parent, const Vec3& offset) {
+    SkeletonJoint j;
+    j.name = name;
+    j.parent = parent;
+    j.offset = offset;
+    j.translates = parent < 0;
+    m.skeleton.joints.push_back(std::move(j));
+    return m.joint_count() - 1;
+  };
+  const int pelvis = add("SpineBase", -1, {0, 0, 0.5});
+  const int chest = add("Spine2", add("Spine1", pelvis, {0.25, 0, 0}), {0.25, 0, 0});
+  const int head = add("Head", add("Neck", chest, {0.1, 0, 0.1}), {0.12, 0, 0.12});
+  m.skeleton.joints[static_cast<std::size_t>(head)].end_sites.push_back({0.15, 0, 0});
+  for (const double side : {1.0, -1.0}) {
+    const std::string mark = side > 0 ? ".L" : ".R";
+    for (const bool fore : {false, true}) {
+      const std::string leg = fore ? "FrontLeg" : "BackLeg";
+      int i = add(leg + "Base" + mark, fore ? chest : pelvis, {0, 0.06 * side, 0});
+      const Vec3 bones[] = {{0.02, 0.02 * side, -0.05}, {fore ? -0.05 : 0.05, 0, -0.2}, {fore ? 0.05 : -0.05, 0, -0.17}, {0.06, 0, -0.08}};
+      for (int k = 0; k < 4; ++k) i = add(leg + std::to_string(k + 1) + mark, i, bones[k]);
+    }
+    int i = pelvis;
+    for (int k = 0; k < 4; ++k) i = add(pair + std::to_string(k + 1) + mark, i, {-0.1, 0.03 * side, -0.05});
+  }
+  for (int f = 0; f < m.frames; ++f)
+    for (int i = 0; i < m.joint_count(); ++i) {
+      m.translations.push_back(m.skeleton.joints[static_cast<std::size_t>(i)].offset);
+      m.rotations.push_back(i == 0 ? Quat{} : axis_angle({0, 1, 0}, 0.2 * std::sin(0.3 * f + 0.9 * i)));
+    }
+  return m;
+}
+
+TEST(Recognise, TwoTailsAreNoLegs) {
+  const Character tails = recognise_character(animal_with_pair("Tail"));
+  EXPECT_EQ(tails.plan, BodyPlan::four_legs) << tails.why_not;
+  EXPECT_FALSE(tails.tail.empty());
+  const Character six_legs = recognise_character(animal_with_pair("MiddleLeg"));
+  EXPECT_EQ(six_legs.plan, BodyPlan::other);
+  EXPECT_EQ(six_legs.why_not, "it has 6 limbs.");
+}
+
 TEST(Mapping, TheRecognisedMappingGivesTheSameCharacter) {
   const MeasuredMotion motion = testing::made_character(60);
   const Character before = recognise_character(motion);

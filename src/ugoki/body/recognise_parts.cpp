@@ -35,6 +35,11 @@ int Recogniser::more_limbs() const {
     if ((from != Part::pelvis && from != Part::trunk && from != Part::other) || component_[at(p.from)] != component_[at(f_.pelvis)])
       continue;
     if (a.path.size() < 2 || std::min(a.length, b.length) < 0.55 * f_.leg_length) continue;
+    // Two tails, and controls that carry the feet of the limbs, are no limbs.
+    const auto is_limb = [&](const Branch& x) {
+      return !name(x.first).control && std::ranges::none_of(x.path, [&](int i) { return name(i).tail; });
+    };
+    if (!is_limb(a) && !is_limb(b)) continue;
     if (std::ranges::find(used, p.first) != used.end() || std::ranges::find(used, p.second) != used.end()) continue;
     used.insert(used.end(), {p.first, p.second});
     ++count;

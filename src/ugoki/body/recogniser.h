@@ -212,7 +212,7 @@ class Recogniser {
         const double sides = named_side(a) * named_side(b);  // below 0: one left, one right
         if (unlike > (sides < 0 ? 0.15 : 0.06)) continue;
         const auto middle = [&](const Branch& x) {
-          return std::ranges::any_of(x.path, [&](int i) { return is_middle(name(i).part) && !name(i).helper; });
+          return std::ranges::any_of(x.path, [&](int i) { return (is_middle(name(i).part) && !name(i).helper) || name(i).tail; });
         };
         double score = 2 - 20 * unlike - 0.1 * std::fabs(static_cast<double>(a.path.size()) - static_cast<double>(b.path.size()));
         score += sides < 0 ? 2 : sides > 0 ? -3 : 0;
