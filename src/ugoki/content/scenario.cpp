@@ -119,6 +119,7 @@ class Checker {
     range(location + "/control/tracking", c.control.tracking, 0, 2, "");
     range(location + "/control/balance", c.control.balance, 0, 2, "");
     range(location + "/control/assist_limit", c.control.assist_limit, 0, 10, "body weights");
+    range(location + "/control/swing", c.control.swing, 0, 90, "degrees");
     const MechanismFacts* mechanism = nullptr;
     if (!is_id(c.mechanism, max_resource_id)) {
       problems_.add(ErrorCode::syntax, location + "/mechanism", "'" + c.mechanism + "' cannot be the id of a mechanism.",

@@ -60,6 +60,7 @@ struct ScenarioControl {
   double tracking = 1;        ///< factor on the tracking gains, 0 ... 2
   double balance = 1;         ///< factor on the balance gains, 0 ... 2
   double assist_limit = 0.5;  ///< cap of the root assist, body weights
+  double swing = 0;           ///< deg: amplitude to which the character swings while it hangs by grips, 0 ... 90; without root assist only
   friend bool operator==(const ScenarioControl&, const ScenarioControl&) = default;
 };
 

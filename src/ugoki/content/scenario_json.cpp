@@ -89,6 +89,7 @@ void read_control(Fields& f, ScenarioControl& out) {
   f.number("tracking", out.tracking);
   f.number("balance", out.balance);
   f.number("assist_limit", out.assist_limit);
+  f.number("swing", out.swing);
   f.text("beyond", beyond);
   if (beyond != "release" && beyond != "let_go")  // "let_go": the former name of "release"
     f.report(ErrorCode::unknown, f.path("beyond"), "There is no action '" + beyond + "' beyond the assist limit.", "Use \"release\".");
@@ -254,6 +255,7 @@ Json to_json(const ScenarioCharacter& c) {
                  {"assist_limit", c.control.assist_limit},
                  {"beyond", "release"}}},
                {"track", std::move(track)}};
+  if (c.control.swing != 0) json["control"]["swing"] = c.control.swing;
   write_material(c.material, json);
   if (!c.secondary.empty()) {
     Json chains = Json::array();

@@ -14,6 +14,7 @@ BalanceControl::BalanceControl(MechanismPtr mechanism, std::shared_ptr<const Ref
     : model_(std::move(mechanism), std::move(reference), options, floor, ground ? std::move(*ground) : GroundMap(floor)),
       support_(model_),
       ground_(model_),
+      hang_(model_),
       program_(model_) {}
 
 BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, std::span<double> tau) {
@@ -24,12 +25,20 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
   // 1., 2. Phase and anchor
   dynamics::update_kinematics(m, in.q, in.v, model_.now);
   model_.centroid = dynamics::calc_centroidal(m, model_.now);
+  model_.carry(in.held);
   model_.sample_reference(state);
   support_.collect(model_, in);
-  update_phase(model_, support_, in.dt, state);
-  anchor_.update(model_, in.dt, state);
+  hang_.update(model_, support_, in, state);
+  const bool airborne = HangPlan::is_airborne(state);
+  if (airborne) {
+    hang_.place_reference(model_, state);
+  } else {
+    update_phase(model_, support_, in.dt, state);
+    anchor_.update(model_, in.dt, state);
+  }
   ground_.update(model_, support_, in.dt, state);
   model_.sample_reference(state);
+  hang_.edit_reference(model_, in, state);
   support_.find_bearing(model_, state);
 
   // 3. Centre of mass
@@ -43,12 +52,16 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
   e.z -= model_.ground_rise(state, model_.centroid.centre);
   e_rate.z -= ground_.climb() + state.tilt[0] * model_.centroid.velocity.x + state.tilt[1] * model_.centroid.velocity.y;
   out.dcm_error = horizontal(e + e_rate / w0);
-  Vec3 acceleration = model_.want_rate.v / m.mass() - e * (w0 * o.com_gain) - e_rate * (w0 + o.com_gain);
-  acceleration.z = model_.want_rate.v.z / m.mass() - e.z * o.height_frequency * o.height_frequency - e_rate.z * 2 * o.height_frequency;
+  Vec3 acceleration = model_.want_rate.v / model_.mass() - e * (w0 * o.com_gain) - e_rate * (w0 + o.com_gain);
+  acceleration.z = model_.want_rate.v.z / model_.mass() - e.z * o.height_frequency * o.height_frequency - e_rate.z * 2 * o.height_frequency;
+
+  if (static_cast<HangMode>(state.hang) == HangMode::lands) acceleration.z = std::min(acceleration.z, o.landing_brake * norm(o.gravity));
+  if (airborne) out.dcm_error = {};
+  out.hang = static_cast<HangMode>(state.hang);
 
   // 4., 5. Steps
-  planner_.start_reaction(model_, support_, in.dt, state);
-  planner_.update_shifts(model_, support_, in.dt, out.dcm_error, state);
+  if (!airborne) planner_.start_reaction(model_, support_, in.dt, state);
+  if (!airborne) planner_.update_shifts(model_, support_, in.dt, out.dcm_error, state);
 
   // 6. Quadratic program
   program_.solve(model_, support_, in, acceleration, state, tau, out);

@@ -17,7 +17,8 @@
 //      the landing. The DCM of a pendulum on a point p moves by xi(T) = p + (xi - p) exp(w0 T). Several steps may follow each other. The
 //      feet stay where they have landed until the reference makes its next steps.
 //      On uneven ground, the wanted posture of the standing legs is adapted to the ground (leg_posture.h).
-//   6. A quadratic program (balance_program.h) finds accelerations, contact forces and torques. Only ground forces act on the root.
+//      While grips carry the character, and when it has released them, other goals apply (hang_plan.h).
+//   6. A quadratic program (balance_program.h) finds accelerations, contact forces and torques. Only the ground and grips act on the root.
 //      Standing soles are constraints, and drives and joints stay within their limits. A foot turns on the ground if its counterpart in
 //      the reference turns.
 //
@@ -35,6 +36,7 @@
 #include "ugoki/control/foot_schedule.h"
 #include "ugoki/control/ground_plan.h"
 #include "ugoki/control/ground_support.h"
+#include "ugoki/control/hang_plan.h"
 #include "ugoki/control/reference_anchor.h"
 #include "ugoki/control/step_planner.h"
 
@@ -67,6 +69,7 @@ class BalanceControl {
   GroundSupport support_;
   ReferenceAnchor anchor_;
   GroundPlan ground_;
+  HangPlan hang_;
   StepPlanner planner_;
   BalanceProgram program_;
 };

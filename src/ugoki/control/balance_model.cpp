@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "ugoki/base/check.h"
+#include "ugoki/dynamics/jacobian.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/clip.h"
 #include "ugoki/spatial/elementary.h"
@@ -29,6 +30,8 @@ BalanceModel::BalanceModel(MechanismPtr m, std::shared_ptr<const ReferenceMotion
       map(std::move(ground)),
       now(*mechanism),
       ref(*mechanism) {
+  mass_ = mechanism->mass();
+  carried.reserve(BalanceInput::max_held);
   UGOKI_CHECK(mechanism->link_count() > 0 && mechanism->link(0).joint.type == JointType::floating);
   UGOKI_CHECK(feet.size() <= BalanceState::max_feet);
   const auto nv = at(mechanism->nv());
@@ -65,9 +68,40 @@ void BalanceModel::sample_reference(const BalanceState& state) {
   dynamics::update_kinematics(m, q_ref, v_ref, ref);
   // The wanted velocity of the centre of mass is the velocity at rate 1, also while the time of the reference runs faster or slower.
   want = dynamics::calc_centroidal(m, ref);
-  want_rate = dynamics::calc_centroidal_momentum_rate(m, ref, a_ref) * (1 / (state.rate * state.rate));
+  want_rate = dynamics::calc_centroidal_momentum_rate(m, ref, a_ref);
+  if (!carried.empty()) add_carried(ref, a_ref, want, &want_rate);
+  want_rate = want_rate * (1 / (state.rate * state.rate));
   want.velocity = want.velocity / state.rate;
   want.momentum = want.momentum * (1 / state.rate);
+}
+
+void BalanceModel::carry(std::span<const HeldPoint> held) {
+  carried.clear();
+  mass_ = mechanism->mass();
+  for (const HeldPoint& h : held) {
+    if (h.fixed || h.mass <= 0) continue;
+    carried.push_back({h.link, now.X_WB[at(h.link)].inverse() * h.p, h.mass});
+    mass_ += h.mass;
+  }
+  if (!carried.empty()) add_carried(now, {}, centroid, nullptr);
+}
+
+void BalanceModel::add_carried(const dynamics::Workspace& ws, std::span<const double> acceleration, dynamics::Centroidal& c,
+                               Vec6* rate) const {
+  Vec3 centre = c.centre * c.mass, momentum = c.velocity * c.mass;
+  for (const Carried& load : carried) {
+    const Vec3 p = ws.X_WB[at(load.link)] * load.point;
+    centre += p * load.mass;
+    momentum += dynamics::point_velocity(ws, load.link, p) * load.mass;
+    c.mass += load.mass;
+    if (!rate) continue;
+    Vec3 a = dynamics::calc_jacobian_bias(*mechanism, ws, load.link, dynamics::JacobianFrame::world, p).v;
+    for (const int i : dynamics::chain_of_link(ws, load.link)) a += (ws.S[at(i)].v + cross(ws.S[at(i)].w, p - ws.p0)) * acceleration[at(i)];
+    rate->v += a * load.mass;
+  }
+  c.centre = centre / c.mass;
+  c.velocity = momentum / c.mass;
+  c.momentum.v = momentum;
 }
 
 Vec3 BalanceModel::left() const { return normalized(horizontal(now.X_WB[0].R * transpose_times(rest_pelvis, Vec3{0, 1, 0})), {0, 1, 0}); }

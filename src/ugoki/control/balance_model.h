@@ -29,6 +29,10 @@ struct BalanceModel {
 
   /// Samples the reference at state.time, displaced by the anchor of `state`, and computes its kinematics.
   void sample_reference(const BalanceState& state);
+  /// Sets the masses that the character carries, and adds them to `centroid`, which must be that of `now`.
+  void carry(std::span<const HeldPoint> held);
+  /// kg: mass of the character and of what it carries.
+  [[nodiscard]] double mass() const { return mass_; }
   /// m, world: centre of the sole of a foot.
   [[nodiscard]] Vec3 sole(std::size_t foot) const { return now.X_WB[link_of(foot)] * feet[foot].sole; }
   /// m, world: centre of the sole of a foot of the reference.
@@ -67,7 +71,18 @@ struct BalanceModel {
   Vec6 want_rate;                           // rate of change of the reference's centroidal momentum
   double w0 = 0;                            // 1/s: sqrt(g / height of the centre of mass)
 
+  /// A mass at a point of a link.
+  struct Carried {
+    int link;
+    Vec3 point;  // m, in the frame of the link
+    double mass;
+  };
+  std::vector<Carried> carried;
+
  private:
+  /// Adds carried masses to the linear part of centroidal quantities. @param rate [in, out] rate of the momentum; null: not needed
+  void add_carried(const dynamics::Workspace& ws, std::span<const double> acceleration, dynamics::Centroidal& c, Vec6* rate) const;
+  double mass_ = 0;
   [[nodiscard]] std::size_t link_of(std::size_t foot) const { return static_cast<std::size_t>(feet[foot].link); }
 };
 

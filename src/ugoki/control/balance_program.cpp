@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ugoki/dynamics/jacobian.h"
 #include "ugoki/mechanism/state.h"
 
 namespace ugoki::control {
@@ -19,16 +20,47 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 BalanceProgram::BalanceProgram(const BalanceModel& model) : legs_(model), tasks_(model) {
   const std::size_t nv = model.v_ref.size();
   for (std::vector<double>* v : {&accelerations_, &bias_, &displacement_}) v->resize(nv);
-  edges_.reserve(4 * GroundSupport::max_bearing);
+  constexpr std::size_t max_loads = 4 * GroundSupport::max_bearing + 12 * BalanceInput::max_held;
+  loads_.reserve(max_loads);
   limited_.reserve(max_limits);
   stopped_.reserve(max_limits);
-  program_.reserve(static_cast<int>(nv), 4 * static_cast<int>(GroundSupport::max_bearing), BalanceTasks::max_equations(model),
+  program_.reserve(static_cast<int>(nv), static_cast<int>(max_loads), BalanceTasks::max_equations(model),
                    6 + 2 * static_cast<int>(max_limits));
 }
 
 double BalanceProgram::load_on(const BalanceModel& model, std::size_t i, std::size_t k) const {
   const Vec6& S = model.now.S[i];
-  return dot(S.w, cross((*bearing_)[k / 4].p - model.now.p0, edges_[k])) + dot(S.v, edges_[k]);
+  return dot(S.w, loads_[k].moment + cross(loads_[k].p - model.now.p0, loads_[k].force)) + dot(S.v, loads_[k].force);
+}
+
+void BalanceProgram::collect_loads(const BalanceModel& model, const GroundSupport& support, const BalanceInput& in) {
+  loads_.clear();
+  int point = 0;
+  for (const BearingPoint& b : support.bearing()) {
+    const auto add = [&](const Vec3& force) { loads_.push_back({b.link, point, b.p, force}); };
+    ++point;
+    const Vec3 t1 = any_perpendicular(b.n), t2 = cross(b.n, t1);
+    const double slide = norm(b.slide);
+    if (slide > sliding) {  // friction opposes the sliding; the force is inside a narrow pyramid around this direction
+      const Vec3 back = b.slide * (-b.friction / slide), side = cross(b.n, back) * 0.1;
+      for (const Vec3& t : {back + side, back - side, back, back * 0.9}) add(b.n + t);
+      continue;
+    }
+    const double mu = model.options.friction_margin * b.friction;
+    for (const Vec3& t : {t1 * mu, t1 * -mu, t2 * mu, t2 * -mu}) add(b.n + t);
+  }
+  // A grip pulls and pushes in all directions. Loads cannot be negative, so each direction has two.
+  for (const HeldPoint& h : in.held) {
+    if (!h.fixed) continue;
+    ++point;
+    for (const double sign : {1.0, -1.0})
+      for (int k = 0; k < 3; ++k) {
+        Vec3 e;
+        e[k] = sign;
+        loads_.push_back({h.link, point, h.p, e});
+        if (h.rigid) loads_.push_back({h.link, point, h.p, {}, e});
+      }
+  }
 }
 
 void BalanceProgram::add_root_equations(BalanceModel& model) {
@@ -61,7 +93,7 @@ std::size_t BalanceProgram::add_torque_limits(const BalanceModel& model, const B
     }
     row.c[i] += in.dt * d.damping + in.dt * in.dt * std::max(0.0, d.stiffness);
     for (std::size_t k = 0; k < row.g.size(); ++k) {
-      const std::span<const int> chain = dynamics::chain_of_link(ws, (*bearing_)[k / 4].link);
+      const std::span<const int> chain = dynamics::chain_of_link(ws, loads_[k].link);
       if (std::ranges::find(chain, static_cast<int>(i)) != chain.end()) row.g[k] = -load_on(model, i, k);
     }
   }
@@ -86,14 +118,42 @@ std::size_t BalanceProgram::add_joint_limits(const BalanceModel& model, const Ba
   return stopped_.size() - known;
 }
 
+void BalanceProgram::add_carried(BalanceModel& model) {
+  dynamics::Workspace& ws = model.now;
+  for (const BalanceModel::Carried& load : model.carried) {
+    const Vec3 p = ws.X_WB[at(load.link)] * load.point;
+    const Vec3 bias = dynamics::calc_jacobian_bias(*model.mechanism, ws, load.link, dynamics::JacobianFrame::world, p).v;
+    const std::span<const int> chain = dynamics::chain_of_link(ws, load.link);
+    const auto column = [&](int i) { return ws.S[at(i)].v + cross(ws.S[at(i)].w, p - ws.p0); };
+    for (const int i : chain) {
+      const Vec3 J = column(i) * load.mass;
+      bias_[at(i)] += dot(J, bias - model.options.gravity);
+      for (const int j : chain)
+        if (j <= i) ws.M[at(ws.row_start[at(i)] + ws.depth[at(j)])] += dot(J, column(j));
+    }
+  }
+}
+
 void BalanceProgram::find_torques(BalanceModel& model, const BalanceInput& in, std::span<double> tau) {
   std::ranges::copy(program_.x(), accelerations_.begin());
   dynamics::calc_inverse_dynamics(*model.mechanism, model.now, accelerations_, model.options.gravity, {}, tau);
-  for (std::size_t b = 0; b < bearing_->size(); ++b) {
-    Vec3 force;
-    for (std::size_t k = 4 * b; k < 4 * b + 4; ++k) force += edge(k) * program_.loads()[k];
-    const Vec3 moment = cross((*bearing_)[b].p - model.now.p0, force);
-    for (const int i : dynamics::chain_of_link(model.now, (*bearing_)[b].link))
+  for (const BalanceModel::Carried& load : model.carried) {
+    const Vec3 p = model.now.X_WB[at(load.link)] * load.point;
+    Vec3 a = dynamics::calc_jacobian_bias(*model.mechanism, model.now, load.link, dynamics::JacobianFrame::world, p).v;
+    const std::span<const int> chain = dynamics::chain_of_link(model.now, load.link);
+    const auto column = [&](int i) { return model.now.S[at(i)].v + cross(model.now.S[at(i)].w, p - model.now.p0); };
+    for (const int i : chain) a += column(i) * accelerations_[at(i)];
+    for (const int i : chain) tau[at(i)] += load.mass * dot(column(i), a - model.options.gravity);
+  }
+  for (std::size_t k = 0; k < loads_.size();) {
+    const Load& first = loads_[k];
+    Vec3 force, couple;
+    for (; k < loads_.size() && loads_[k].point == first.point; ++k) {
+      force += loads_[k].force * program_.loads()[k];
+      couple += loads_[k].moment * program_.loads()[k];
+    }
+    const Vec3 moment = couple + cross(first.p - model.now.p0, force);
+    for (const int i : dynamics::chain_of_link(model.now, first.link))
       tau[at(i)] -= dot(model.now.S[at(i)].w, moment) + dot(model.now.S[at(i)].v, force);
   }
   for (std::size_t i = 6; i < accelerations_.size(); ++i) {  // compensate the joints' dampers and springs, which the stepper applies
@@ -107,26 +167,16 @@ void BalanceProgram::find_torques(BalanceModel& model, const BalanceInput& in, s
 void BalanceProgram::solve(BalanceModel& model, const GroundSupport& support, const BalanceInput& in, const Vec3& acceleration,
                            BalanceState& state, std::span<double> tau, BalanceOutput& out) {
   const Mechanism& m = *model.mechanism;
-  bearing_ = &support.bearing();
-  edges_.clear();
-  for (const BearingPoint& b : *bearing_) {
-    const Vec3 t1 = any_perpendicular(b.n), t2 = cross(b.n, t1);
-    const double slide = norm(b.slide);
-    if (slide > sliding) {  // friction opposes the sliding; the force is inside a narrow pyramid around this direction
-      const Vec3 back = b.slide * (-b.friction / slide), side = cross(b.n, back) * 0.1;
-      for (const Vec3& t : {back + side, back - side, back, back * 0.9}) edges_.push_back(b.n + t);
-      continue;
-    }
-    const double mu = model.options.friction_margin * b.friction;
-    for (const Vec3& t : {t1 * mu, t1 * -mu, t2 * mu, t2 * -mu}) edges_.push_back(b.n + t);
-  }
-  program_.begin(m.nv(), static_cast<int>(edges_.size()), model.options.load_cost);
+  collect_loads(model, support, in);
+  program_.begin(m.nv(), static_cast<int>(loads_.size()), model.options.load_cost);
   legs_.update(model, state);
-  tasks_.add_posture(model, legs_, in, program_);
-  tasks_.add_momentum(model, acceleration, program_);
-  tasks_.add_links(model, support, state, program_);
+  tasks_.add_posture(model, legs_, in, state, program_);
+  const auto hang = static_cast<HangMode>(state.hang);
+  if (hang != HangMode::hangs && hang != HangMode::drops) tasks_.add_momentum(model, acceleration, program_);
+  tasks_.add_links(model, support, in, state, program_);
   dynamics::calc_inverse_dynamics(m, model.now, {}, model.options.gravity, {}, bias_);
   dynamics::calc_inertia_rows(m, model.now);
+  add_carried(model);
   add_root_equations(model);
   out.solved = program_.solve(state.multipliers);
   out.iterations = program_.iterations();

@@ -23,21 +23,29 @@ class BalanceProgram {
   [[nodiscard]] std::span<const double> accelerations() const { return accelerations_; }
 
  private:
-  /// Direction of the force of load k, and the force per unit load on DOF i.
-  [[nodiscard]] Vec3 edge(std::size_t k) const { return edges_[k]; }
+  /// Unknown force on a link: an edge of a friction pyramid, or one direction of the force or moment of a grip.
+  struct Load {
+    int link;
+    int point;             // loads of one point have the same number
+    Vec3 p;                // m, world
+    Vec3 force, moment{};  // N, N m, world: for a unit load
+  };
+  void collect_loads(const BalanceModel& model, const GroundSupport& support, const BalanceInput& input);
+  /// Force per unit load k on DOF i.
   [[nodiscard]] double load_on(const BalanceModel& model, std::size_t i, std::size_t k) const;
   void add_root_equations(BalanceModel& model);
   /// Adds the torque limits that the solution exceeds. @return number of limits added
   std::size_t add_torque_limits(const BalanceModel& model, const BalanceInput& input, std::span<const double> tau);
   /// Adds the position limits of joints that the solution would exceed. @return number of limits added
   std::size_t add_joint_limits(const BalanceModel& model, const BalanceInput& input);
+  /// Adds the carried masses to the inertia matrix and to the bias forces.
+  void add_carried(BalanceModel& model);
   void find_torques(BalanceModel& model, const BalanceInput& input, std::span<double> tau);
 
   QuadraticProgram program_;
   LegPosture legs_;
   BalanceTasks tasks_;
-  const std::vector<BearingPoint>* bearing_ = nullptr;  // of the present tick
-  std::vector<Vec3> edges_;                             // [loads] direction of each load's force
+  std::vector<Load> loads_;
   std::vector<double> accelerations_, bias_, displacement_;
   std::vector<int> limited_;  // DOFs whose torque limit is a balance (inequality) of the program
   std::vector<int> stopped_;  // DOFs whose position limit is a balance of the program

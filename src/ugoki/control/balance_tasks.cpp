@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ugoki/control/ground_plan.h"
+#include "ugoki/control/hang_plan.h"
 #include "ugoki/dynamics/jacobian.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/spatial/elementary.h"
@@ -100,6 +101,32 @@ void add_swing_task(const BalanceModel& model, std::size_t f, const BalanceState
   add_turn_task(model, foot.link, levelled(model, memory, f), w, model.options.swing_turn_weight, program);
 }
 
+/// Adds the task that a foot moves to the place below the body where it will land.
+void add_landing_task(const BalanceModel& model, std::size_t f, const BalanceState& state, QuadraticProgram& program) {
+  const Foot& foot = model.feet[f];
+  const double w = model.options.landing_frequency;
+  const Vec3 p = model.now.X_WB[at(foot.link)] * foot.sole, v = dynamics::point_velocity(model.now, foot.link, p);
+  const LandingGoal goal = landing_goal(model, state, f);
+  const Vec3 target = goal.acceleration + (goal.place - p) * (w * w) + (goal.velocity - v) * (2 * w);
+  const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  add_point_rows(model, foot.link, p, target, model.options.landing_weight, axes, program);
+  add_turn_task(model, foot.link, levelled(model, state.feet[f], f), w, model.options.swing_turn_weight, program);
+}
+
+/// Adds the constraint that a gripping point moves with its counterpart on the other side.
+void add_grip(const BalanceModel& model, const HeldPoint& h, QuadraticProgram& program) {
+  const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const Vec3 slip = dynamics::point_velocity(model.now, h.link, h.p) - h.velocity;
+  add_point_rows(model, h.link, h.p, slip * -model.options.sole_damping, model.options.sole_weight, axes, program);
+  if (!h.rigid) return;
+  const Vec3 bias = dynamics::calc_jacobian_bias(*model.mechanism, model.now, h.link, dynamics::JacobianFrame::world, h.p).w;
+  const Vec3 target = (h.turning - model.now.V[at(h.link)].w) * model.options.sole_damping - bias;
+  for (int k = 0; k < 3; ++k) {
+    const std::span<double> row = program.add_equation(target[k], 1 / model.options.sole_weight);
+    for (const int i : dynamics::chain_of_link(model.now, h.link)) row[at(i)] = model.now.S[at(i)].w[k];
+  }
+}
+
 void add_standing_foot(const BalanceModel& model, const GroundSupport& support, std::size_t f, QuadraticProgram& program) {
   // Rows for each link that bears load: three at the first point, two at the second, one at a third point that is not on their line.
   for (const int link : model.feet[f].parts) {
@@ -136,17 +163,24 @@ void add_standing_foot(const BalanceModel& model, const GroundSupport& support, 
 BalanceTasks::BalanceTasks(const BalanceModel& model) : error_(model.v_ref.size()), A_G_(model.v_ref.size()) {}
 
 int BalanceTasks::max_equations(const BalanceModel& model) {
-  // Centre of mass, angular momentum, pelvis, chest; then at most 6 for each link of a foot, and one for each hovering point
+  // Centre of mass, angular momentum, pelvis, chest; then at most 6 for each link of a foot, one for each hovering point,
+  // and 6 for each grip
   std::size_t parts = 0, points = 0;
   for (const Foot& foot : model.feet) parts += foot.parts.size(), points += foot.points.size();
-  return static_cast<int>(12 + 6 * parts + points);
+  return static_cast<int>(12 + 6 * parts + points + 6 * BalanceInput::max_held);
 }
 
-void BalanceTasks::add_posture(const BalanceModel& model, const LegPosture& legs, const BalanceInput& in, QuadraticProgram& program) {
+void BalanceTasks::add_posture(const BalanceModel& model, const LegPosture& legs, const BalanceInput& in, const BalanceState& state,
+                               QuadraticProgram& program) {
   difference(*model.mechanism, in.q, legs.positions(), error_);
   const std::span<double> weights = program.weights(), centre = program.centre();
   const double kp = model.options.joint_frequency * model.options.joint_frequency, kd = 2 * model.options.joint_frequency;
   for (std::size_t i = 0; i < error_.size(); ++i) {
+    if (i < 6 && static_cast<HangMode>(state.hang) == HangMode::hangs) {  // the body swings freely
+      weights[i] = 1e-3;
+      centre[i] = 0;
+      continue;
+    }
     weights[i] = i < 6 ? 1e-3 : model.is_leg[i] ? model.options.leg_weight : model.options.joint_weight;
     const double slip = model.v_ref[i] - in.v[i];
     centre[i] = model.a_ref[i] + (kp * (error_[i] + in.dt * slip) + kd * slip) / (1 + in.dt * kd + in.dt * in.dt * kp);
@@ -157,10 +191,16 @@ void BalanceTasks::add_momentum(BalanceModel& model, const Vec3& acceleration, Q
   const Mechanism& m = *model.mechanism;
   const std::size_t n = error_.size();
   dynamics::calc_centroidal_matrix(m, model.now, A_G_);
-  const Vec6 rate_bias = dynamics::calc_centroidal_momentum_rate(m, model.now, {});
+  Vec6 rate_bias = dynamics::calc_centroidal_momentum_rate(m, model.now, {});
+  for (const BalanceModel::Carried& load : model.carried) {
+    const Vec3 p = model.now.X_WB[at(load.link)] * load.point;
+    rate_bias.v += dynamics::calc_jacobian_bias(m, model.now, load.link, dynamics::JacobianFrame::world, p).v * load.mass;
+    for (const int i : dynamics::chain_of_link(model.now, load.link))
+      A_G_[at(i)].v += (model.now.S[at(i)].v + cross(model.now.S[at(i)].w, p - model.now.p0)) * load.mass;
+  }
   for (int k = 0; k < 3; ++k) {
-    const std::span<double> row = program.add_equation(acceleration[k] - rate_bias.v[k] / m.mass(), 1 / model.options.com_weight);
-    for (std::size_t i = 0; i < n; ++i) row[i] = A_G_[i].v[k] / m.mass();
+    const std::span<double> row = program.add_equation(acceleration[k] - rate_bias.v[k] / model.mass(), 1 / model.options.com_weight);
+    for (std::size_t i = 0; i < n; ++i) row[i] = A_G_[i].v[k] / model.mass();
   }
   const double inertia = (model.centroid.inertia.xx + model.centroid.inertia.yy + model.centroid.inertia.zz) / 3;
   for (int k = 0; k < 3; ++k) {
@@ -171,11 +211,17 @@ void BalanceTasks::add_momentum(BalanceModel& model, const Vec3& acceleration, Q
   }
 }
 
-void BalanceTasks::add_links(const BalanceModel& model, const GroundSupport& support, const BalanceState& state,
+void BalanceTasks::add_links(const BalanceModel& model, const GroundSupport& support, const BalanceInput& in, const BalanceState& state,
                              QuadraticProgram& program) {
   const BalanceOptions& o = model.options;
-  add_turn_task(model, 0, model.ref.X_WB[0].R, o.trunk_frequency, o.pelvis_weight, program);
-  if (model.chest >= 0) add_turn_task(model, model.chest, model.ref.X_WB[at(model.chest)].R, o.trunk_frequency, o.chest_weight, program);
+  for (const HeldPoint& h : in.held)
+    if (h.fixed) add_grip(model, h, program);
+  const auto hang = static_cast<HangMode>(state.hang);
+  if (hang == HangMode::hangs) return;  // neither trunk nor feet have a goal in the world
+  const double upright = hang == HangMode::drops ? o.landing_upright : 1;
+  add_turn_task(model, 0, model.ref.X_WB[0].R, o.trunk_frequency, upright * o.pelvis_weight, program);
+  if (model.chest >= 0)
+    add_turn_task(model, model.chest, model.ref.X_WB[at(model.chest)].R, o.trunk_frequency, upright * o.chest_weight, program);
   for (const HoveringPoint& h : support.hovering()) {
     const double down = std::min(o.hover_speed, h.gap / o.hover_time);
     const Vec3 target{0, 0, -o.sole_damping * (down + dynamics::point_velocity(model.now, h.link, h.p).z)}, up[1] = {{0, 0, 1}};
@@ -184,6 +230,8 @@ void BalanceTasks::add_links(const BalanceModel& model, const GroundSupport& sup
   for (std::size_t f = 0; f < model.feet.size(); ++f) {
     if (state.feet[f].stands)
       add_standing_foot(model, support, f, program);
+    else if ((hang == HangMode::drops || hang == HangMode::lands) && !state.feet[f].reacts)
+      add_landing_task(model, f, state, program);
     else
       add_swing_task(model, f, state, program);
   }

@@ -19,11 +19,13 @@ class BalanceTasks {
   [[nodiscard]] static int max_equations(const BalanceModel& model);
 
   /// Posture: weights and centre of the program. Joints follow the reference with adapted legs by stable PD.
-  void add_posture(const BalanceModel& model, const LegPosture& legs, const BalanceInput& input, QuadraticProgram& program);
+  void add_posture(const BalanceModel& model, const LegPosture& legs, const BalanceInput& input, const BalanceState& state,
+                   QuadraticProgram& program);
   /// Acceleration of the centre of mass and rate of the angular momentum. @param acceleration m/s^2, world: wanted, of the centre of mass
   void add_momentum(BalanceModel& model, const Vec3& acceleration, QuadraticProgram& program);
-  /// Orientation of the trunk, constraints of standing feet, motion of swing feet.
-  void add_links(const BalanceModel& model, const GroundSupport& support, const BalanceState& state, QuadraticProgram& program);
+  /// Orientation of the trunk, constraints of standing feet and of grips, motion of swing feet.
+  void add_links(const BalanceModel& model, const GroundSupport& support, const BalanceInput& input, const BalanceState& state,
+                 QuadraticProgram& program);
 
  private:
   std::vector<double> error_;  // [nv]

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "ugoki/collision/contact_point.h"
+#include "ugoki/control/held_points.h"
 #include "ugoki/spatial/vec3.h"
 
 namespace ugoki::control {
@@ -64,7 +65,27 @@ struct BalanceOptions {
   double early_rate = 1.6, late_rate = 1;  ///< rate of the reference's time after an early touch-down, and while a touch-down is late
   double limit_time = 0.02;                ///< s: a joint keeps its limits for this time ahead, at constant acceleration
   int limit_rounds = 2;  ///< maximum number of further solutions; each adds the limits that the previous solution exceeds as constraints
-  Vec3 gravity{0, 0, -9.81};  ///< m/s^2, world
+  double swing = 0;      ///< rad: amplitude to which a hanging character swings by itself; 0: it only follows its reference
+  double swing_range = 0.2;     ///< rad: the character swings with full effort if its amplitude is lower than `swing` by this
+  double swing_flex = 1.2;      ///< rad: how far ahead of the reference the legs swing
+  double swing_arch = 0.4;      ///< rad: how far behind the reference the legs swing
+  double landing_reach = 0.45;  ///< share of the leg's length: maximum horizontal distance of the feet from the centre of mass at a landing
+  double landing_leg = 0.93;    ///< share of the height of the centre of mass in the reference with which the feet meet the ground
+  double landing_brake = 1.5;   ///< factor of gravity: maximum deceleration of the centre of mass after a landing
+  double landing_spin = 1;      ///< share of the angular momentum that the place of the feet takes away
+  double landing_upright = 10;  ///< factor on the weights of pelvis and chest before a landing: legs and arms turn the trunk upright
+  double landing_weight = 60;   ///< weight of the feet before a landing
+  double landing_frequency = 12;  ///< rad/s: natural frequency of the errors of the feet before a landing
+  double landing_time = 0.6;      ///< s: time after a landing in which the deceleration is limited
+  Vec3 gravity{0, 0, -9.81};      ///< m/s^2, world
+};
+
+/// How the character is supported, apart from walking and standing (HangPlan).
+enum class HangMode : std::uint64_t {
+  none,   ///< by its feet, or it flies as in its reference
+  hangs,  ///< by grips at fixed places; no foot touches the ground
+  drops,  ///< it has released its grips and falls towards the ground
+  lands   ///< its feet have touched the ground after a drop
 };
 
 /// State of the controller between ticks. Plain data, so that it can be saved, restored and replayed.
@@ -96,6 +117,10 @@ struct BalanceState {
   double lower = 0;                  ///< m: how much lower the body is than in the reference, so that the legs reach the ground
   double loose = 0;                  ///< m: height of the objects under the standing feet that are not in the map of the ground
   FootState feet[max_feet];
+  std::uint64_t hang = 0;                      ///< HangMode
+  double hang_time = 0;                        ///< s: time in this mode
+  double hang_effort = 0;                      ///< -1 to 1: how far the legs swing ahead (1) or behind (-1)
+  double hang_rate = 0;                        ///< 1/s: rate of hang_effort
   double multipliers[6] = {0, 0, 0, 0, 0, 0};  ///< multipliers from which the quadratic program starts
 };
 
@@ -105,6 +130,8 @@ struct BalanceInput {
   std::span<const collision::ContactPoint> contacts;  ///< result of collision analysis at the present state
   int system = 0;                                     ///< index of this character in ContactPoint::system_a
   double dt = 0.002;                                  ///< s
+  std::span<const HeldPoint> held = {};               ///< grips of this character, and grips of others that hold it; at most max_held
+  static constexpr std::size_t max_held = 8;
 };
 
 /// Output of one tick.
@@ -115,6 +142,7 @@ struct BalanceOutput {
   int limits = 0;        ///< number of torque limits that the planned torques reach
   int joint_limits = 0;  ///< number of joint limits that the planned accelerations reach
   bool solved = true;    ///< true: the quadratic program converged
+  HangMode hang = HangMode::none;
 };
 
 }  // namespace ugoki::control

@@ -8,7 +8,7 @@ namespace ugoki::control {
 void update_phase(const BalanceModel& model, const GroundSupport& support, double dt, BalanceState& state) {
   state.rate = 1;
   const double g = norm(model.options.gravity);
-  const double thrust = 1 + model.want_rate.v.z / (model.mechanism->mass() * g);  // body weights: ground force that the reference needs
+  const double thrust = 1 + model.want_rate.v.z / (model.mass() * g);  // body weights: ground force that the reference needs
   // Before a flight, the feet stay on the ground until the reference needs no more ground force.
   const bool pushes_off = thrust > model.options.push_off && model.schedule.flight(state.time);
   for (std::size_t f = 0; f < model.feet.size(); ++f) {

@@ -12,6 +12,7 @@
 #include "ugoki/control/return_motion.h"
 #include "ugoki/lsi/declare.h"
 #include "ugoki/lsi/track_sampler.h"
+#include "ugoki/spatial/elementary.h"
 
 namespace ugoki::lsi {
 namespace {
@@ -70,6 +71,9 @@ struct Balance {
   double return_time = -1;   // s: time of the fall from which `way_back` was made; -1: none
   std::vector<int> foot_of;  // [feet of the character] index in balance->feet()
   std::vector<collision::ContactPoint> contacts;
+  const World* world = nullptr;
+  std::vector<dynamics::Workspace> others;  // [characters] working memory for the links that grips join
+  std::vector<control::HeldPoint> held;
 };
 struct BalanceMemory {
   control::BalanceState now, next;
@@ -109,6 +113,45 @@ control::BalanceState begin_return(const Balance& self, std::span<const double> 
   state.y = place.y;
   state.heading = place.heading;
   return state;
+}
+
+/// Number of grips at a character.
+double count_grips(std::span<const EventRecord> grips, int character) {
+  double count = 0;
+  for (const EventRecord& e : grips)
+    if (e.kind == EventKind::gripping && (static_cast<int>(e.character) == character || static_cast<int>(e.c.x) == character)) count += 1;
+  return std::max(1.0, count);
+}
+
+/// Collects the grips of the character, and those of others that hold it.
+void collect_held(Balance& self, std::span<const EventRecord> grips, const double* state) {
+  self.held.clear();
+  const int own = self.character->index;
+  for (const EventRecord& e : grips) {
+    if (e.kind != EventKind::gripping || self.held.size() == control::BalanceInput::max_held) continue;
+    const int gripping = static_cast<int>(e.character), gripped = static_cast<int>(e.c.x);
+    if (gripping == gripped || (gripping != own && gripped != own)) continue;
+    const bool grips_itself = gripping == own;
+    control::HeldPoint h;
+    h.link = grips_itself ? e.link : static_cast<int>(e.c.y);
+    h.p = e.b;
+    h.rigid = (static_cast<std::uint32_t>(e.reserved) & grip_rigid) != 0;
+    const int other = grips_itself ? gripped : gripping, link = grips_itself ? static_cast<int>(e.c.y) : e.link;
+    if (other >= 0) {
+      const Character& c = self.world->characters()[static_cast<std::size_t>(other)];
+      dynamics::Workspace& ws = self.others[static_cast<std::size_t>(other)];
+      const bool anchored = ws.link_chain[static_cast<std::size_t>(link)] < 0;
+      // Passive objects are carried. Of two characters with drives, the heavier one carries the other.
+      h.fixed = anchored || (c.track && c.mechanism->mass() > self.character->mechanism->mass());
+      if (!h.fixed) h.mass = c.mechanism->mass() / count_grips(grips, other);
+      if (!anchored) {
+        dynamics::update_kinematics(*c.mechanism, q_of(c, state), v_of(c, state), ws);
+        h.velocity = dynamics::point_velocity(ws, link, h.p);
+        h.turning = ws.V[static_cast<std::size_t>(link)].w;
+      }
+    }
+    self.held.push_back(h);
+  }
 }
 
 std::int32_t step(const Call* call) {
@@ -167,8 +210,10 @@ std::int32_t step(const Call* call) {
     return 0;
   }
   control::BalanceControl& control = control_of(self, memory.returned_now);
-  const control::BalanceOutput out = control.step({q, v, self.contacts, self.character->index, dt}, memory.next, tau);
-  if (self.fall) {
+  collect_held(self, records<EventRecord>(call->in[2]), state);
+  const control::BalanceOutput out = control.step({q, v, self.contacts, self.character->index, dt, self.held}, memory.next, tau);
+  const bool airborne = out.hang == control::HangMode::hangs || out.hang == control::HangMode::drops;
+  if (self.fall && !airborne) {
     recovery[1] = self.fall->check(q, v, control.reference(), out.dcm_error, dt, memory.fall_next);
     self.fall->brace(q, v, dt, memory.fall_next, tau, gain, velocity);
     recovery[0] = static_cast<double>(memory.fall_next.mode);
@@ -203,7 +248,12 @@ void* make(Setup& s) {
                            std::nullopt,
                            -1,
                            {},
+                           {},
+                           world,
+                           {},
                            {}};
+  for (const Character& c : world->characters()) self->others.emplace_back(*c.mechanism);
+  self->held.reserve(control::BalanceInput::max_held);
   if (can_balance(*character)) {
     control::BalanceOptions& options = self->options;
     options.gravity = world->gravity();
@@ -212,6 +262,7 @@ void* make(Setup& s) {
     options.leg_weight = s.number("leg weight");
     options.momentum_weight = s.number("momentum weight");
     options.shift_growth = s.number("step growth");
+    options.swing = s.number("swing") * pi / 180;
     const std::vector<MechanismPtr> systems = world->mechanisms();
     self->systems = systems;
     self->balance.emplace(character->mechanism, self->track, options, world->ground().height,
@@ -252,7 +303,10 @@ void add_balance(circuit::Library& library) {
       "balance falls with its hands first, and gets up again if the parameter `get up` is 1. A character without a floating root or "
       "without feet follows its track with the torques of its joints alone.";
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
-              input_pin("contacts", PinTypeId::contacts, "", "Contact points; those of the feet with the ground support the character.")};
+              input_pin("contacts", PinTypeId::contacts, "", "Contact points; those of the feet with the ground support the character."),
+              input_pin("grips", PinTypeId::event, "",
+                        "Output `grips` of `dynamics` in the last tick. Grips at objects that cannot move carry the character.")};
+  c.inputs[2].required = false;
   c.outputs = {
       output_pin("torque", PinTypeId::joint_values, "N m, N",
                  "For all degrees of freedom: forces (zero on the root), then servo gains, then servo velocities."),
@@ -275,6 +329,8 @@ void add_balance(circuit::Library& library) {
                        "Importance of the angular momentum; less lets the arms and the trunk swing more to keep the balance."),
       number_parameter("step growth", usual.shift_growth, 0, 6, "1/s",
                        "Growth of the error of balance that a step expects until its foot lands. More makes steps wider."),
+      number_parameter("swing", 0, 0, 90, "deg",
+                       "Amplitude to which the character swings with its legs while it hangs from its grips; 0: it only hangs."),
       number_parameter("get up", 0, 0, 1, "",
                        "1: a character that lies gets up and goes on with its track. Adults that lie on their front succeed; many "
                        "other bodies and poses fail, and stay on the ground after three tries.")};

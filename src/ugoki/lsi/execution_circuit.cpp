@@ -66,9 +66,12 @@ class Maker {
     naturalness.parameters = {character};
     naturalness.every = every_;
     if (who.drive == CircuitCharacter::Drive::control && who.assist_limit == 0) {  // no root assist: the character balances itself
-      add("control-" + part, "balance control", 4, y - 70).parameters = {character};
+      Instance& control = add("control-" + part, "balance control", 4, y - 70);
+      control.parameters = {character};
+      if (who.swing > 0) control.parameters.emplace_back("swing", who.swing);
       wire("status.state", "control-" + part + ".state");
       wire("collision.contacts", "control-" + part + ".contacts");
+      if (who.grips) wire_grips(part);
       wire("status.state", "naturalness-" + part + ".state");
       wire("control-" + part + ".reference", "naturalness-" + part + ".reference");
       wire("collision.contacts", "naturalness-" + part + ".contacts");
@@ -102,6 +105,15 @@ class Maker {
   Circuit take() { return std::move(c_); }
 
  private:
+  /// Balance control gets the grips of the last tick.
+  void wire_grips(const std::string& part) {
+    if (!has_grips_) {
+      has_grips_ = true;
+      add("grips", "delay event", 3, -180);
+      wire("dynamics.grips", "grips.in");
+    }
+    wire("grips.out", "control-" + part + ".grips");
+  }
   void wire_outputs(const std::string& part) {
     wire("control-" + part + ".report", "naturalness-" + part + ".report");
     wire("control-" + part + ".torque", "dynamics.torque");
@@ -125,6 +137,7 @@ class Maker {
 
   Circuit c_;
   std::uint32_t every_;
+  bool has_grips_ = false;
   std::set<std::string> taken_;
 };
 

@@ -16,11 +16,14 @@ struct CircuitCharacter {
   enum class Drive { control, path, torque };
   /// control: motion control, or balance control without assist. path: motion control with high gains and assist. torque: motion torques
   Drive drive = Drive::control;
+  double swing = 0;    ///< deg: parameter of balance control
+  bool grips = false;  ///< the content has grips, which balance control has to know
 };
 
 /// Makes the execution circuit from LSIs (function blocks). It contains event, collision analysis, dynamics, status and display. For each
 /// character that follows a track it also contains motion retrieval (or motion choice, if rules play motions), interpolation, motion
-/// control and naturalness; if the character's assist limit is 0, only balance control and naturalness. Drive::torque replaces motion
+/// control and naturalness; if the character's assist limit is 0, only balance control and naturalness,
+/// with the grips of the last tick (LSI `delay event`) if the content has any. Drive::torque replaces motion
 /// control by the LSI `motion torques`. Its input `live` receives the user's events. Its outputs are `state`, `contacts`, `events`,
 /// `poses`, `characters` and `measures`.
 /// @param step  s, time between ticks. Naturalness is measured about 120 times a second, always after the same number of ticks

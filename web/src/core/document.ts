@@ -29,6 +29,8 @@ export interface Control {
   balance: number;
   /** Cap of the root-assist wrench, body weights. */
   assist_limit: number;
+  /** Amplitude to which the character swings while it hangs from its grips, degrees; absent: 0. Only without root assist. */
+  swing?: number;
   /** Behaviour when the character has fallen: "release" switches control off. */
   beyond: string;
 }

@@ -14,7 +14,7 @@ export const gallery: readonly GalleryEntry[] = [
   { id: 'empty', title: 'Empty', teaches: 'An empty floor: drag characters and motions from the library onto it.', from: 'empty' },
   { id: 'park', title: 'Walk in the park', teaches: 'A human walks, a dog trots, and a ball hits the human: clips, a throw, and balance.', from: 'sample' },
   { id: 'push-test', title: 'Walk with pushes', teaches: 'Three pushes of growing force, with markers: how much does a walk withstand?', from: async () => (await import('../../../examples/content/push-test.json')).default },
-  { id: 'bar', title: 'Two hands on a bar', teaches: 'Grips make and open closed loops while the content runs; the legs pump a swing.', from: async () => (await import('../../../examples/content/bar.json')).default },
+  { id: 'bar', title: 'Two hands on a bar', teaches: 'A gymnast hangs, swings by the legs alone, releases the bar and lands, without root assist.', from: async () => (await import('../../../examples/content/bar.json')).default },
   { id: 'rider', title: 'Rider', teaches: 'Two mechanisms become one: a rider on a dog as large as a horse, posed by a keyed layer.', from: async () => (await import('../../../examples/content/rider.json')).default },
   { id: 'jansen', title: 'Theo Jansen’s walker', teaches: 'One motor and 24 closed loops walk: hold W or S to change its speed.', from: async () => (await import('../../../examples/content/jansen.json')).default },
   { id: 'andrews', title: 'Andrews’ squeezer', teaches: 'A benchmark of seven bodies and three loops; its spring is a circuit.', from: async () => (await import('../../../examples/content/andrews.json')).default },

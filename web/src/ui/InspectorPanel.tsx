@@ -151,6 +151,9 @@ function CharacterFields({ character, link, doc, posing }: { character: Characte
           <NumberField label="Tracking" unit="×" value={control.tracking} step={0.01} min={0} max={2} slider title="Factor on the joint gains of motion control; 1 is the default" on_commit={(tracking) => set_control({ tracking })} />
           <NumberField label="Balance" unit="×" value={control.balance} step={0.01} min={0} max={2} slider title="Factor on the root gains of motion control; 1 is the default" on_commit={(balance) => set_control({ balance })} />
           <NumberField label="Assist limit" unit="% of weight" value={control.assist_limit * 100} step={1} digits={0} min={0} max={500} title="Maximum assist force on the root, in percent of body weight; a character that needs more is released and falls" on_commit={(v) => set_control({ assist_limit: v / 100 })} />
+          {control.assist_limit === 0 && (
+            <NumberField label="Swing" unit="°" value={control.swing ?? 0} step={1} digits={0} min={0} max={90} title="Amplitude to which the character swings with its legs while its hands hold something fixed; 0: it only hangs" on_commit={(swing) => set_control({ swing })} />
+          )}
           <div className="field">
             <span>Above the limit</span>
             <output>released</output>
