@@ -78,6 +78,24 @@ export const jump_journeys = [
       await page.getByRole('dialog', { name: 'Correct the physics' }).getByRole('button', { name: 'Apply' }).click();
       await until(page, async () => (await text_of(page)) !== keyed, 'the corrected motion', 120000);
       const corrected = await clip_now();
+
+      // the ghost of the motion before, and how far it changed
+      const compared = page.getByRole('group', { name: 'Physics correction' });
+      await compared.waitFor();
+      assert.match(await compared.textContent(), /Largest change\d+\.\d° · .* at \d\.\d\d s/);
+      assert.ok((await compared.locator('tbody tr').count()) >= 3, 'measures before and after');
+      await compared.getByRole('button', { name: /^Centre of mass/ }).click();
+      await page.waitForTimeout(600);
+      const shown = await page.screenshot({ path: `${pictures}jump-ghost.png` });
+      await page.keyboard.press('Shift+C');
+      await until(page, async () => (await compared.getByRole('button', { name: 'Ghost of before' }).getAttribute('aria-pressed')) === 'false', 'the switch');
+      await page.waitForTimeout(400);
+      assert.ok(!shown.equals(await page.screenshot({ path: `${pictures}jump-no-ghost.png` })), 'the ghost is drawn');
+      await page.keyboard.press('Shift+C');
+      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+      await page.waitForTimeout(400);
+      await page.screenshot({ path: `${pictures}jump-ghost-light.png` });
+      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
       assert.ok(corrected.motion !== clip.motion && (corrected.layers ?? []).length === 0, 'the keys are part of the corrected motion');
       const lines = (await hook(page, 'log()')).filter((line) => /Correct the physics —/.test(line));
       const change = (what) => lines.map((line) => line.match(new RegExp(`${what}: (-?[0-9.]+) before, (-?[0-9.]+) after`))).find(Boolean)?.slice(1).map(Number);

@@ -17,6 +17,7 @@
 #include "ugoki/studio/frame.h"
 #include "ugoki/studio/interpreter.h"
 #include "ugoki/studio/message_id.h"
+#include "ugoki/studio/motion_compare.h"
 #include "ugoki/studio/session_request.h"
 #include "ugoki/studio/simulated_part.h"
 
@@ -151,6 +152,7 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
   if (request.op == "curves") return poses_.curves(project_, request.json);
   if (request.op == "poses") return PoseDesk::stored(project_, request.json);
   if (request.op == "joints") return PoseDesk::joints(project_, request.json);
+  if (request.op == "compare") return compare_motion(project_, request.json);
   if (request.op == "gaits") return list_gaits(request);
   if (request.op == "remember") return remember(request);
   if (request.op == "breakpoints") return set_breakpoints(request);

@@ -207,6 +207,7 @@ export type Request =
   | { op: 'seek'; time: number }
   | { op: 'grab'; character: string; link: number; point: Vec3; target: Vec3 }
   | { op: 'drag'; target: Vec3 }
+  | { op: 'compare'; character: string; clip: string; before: object }
   | { op: 'watch'; pins: string[]; probes: string[]; timing: boolean; closest: boolean }
   | ({ op: 'input' } & InputMessage)
   | { op: 'push'; character: string; link: number; force: Vec3; duration: number }

@@ -9,8 +9,9 @@ import { PointerControl } from '../view/pointer';
 import { PoseView } from '../view/pose_view';
 import { Viewport } from '../view/viewport';
 import { add_character, append_motion, run, set_view } from './actions';
-import { gaits, page, parts, poser, registry, session, useControls, usePage, useStudio } from './app';
+import { comparer, gaits, page, parts, poser, registry, session, useControls, usePage, useStudio } from './app';
 import { FilmFrame, ThroughChoice } from './film/ThroughBar';
+import { CorrectionCard } from './motion/CorrectionCard';
 import { PathOverlay } from './motion/PathOverlay';
 import { PlayControlsBar } from './PlayControlsBar';
 import { PoseHandles, PoseLabels, PoseTools, ToolChoice } from './posing/PoseOverlay';
@@ -37,6 +38,11 @@ export function ViewportPanel(): ReactElement {
       set_failed((error as Error).message);
       return;
     }
+    made.before = () => {
+      const { comparison, on } = comparer.state;
+      return on && session.state.transport.mode === 'edit' ? comparison : null;
+    };
+    const stop_comparing = comparer.store.subscribe(() => made.invalidate());
     const pointer = new PointerControl(made);
     const posing = new PoseView(made, poser);
     pointer.posing = posing;
@@ -58,6 +64,7 @@ export function ViewportPanel(): ReactElement {
     set_viewport(made);
     return () => {
       observer.disconnect();
+      stop_comparing();
       pointer.dispose();
       posing.dispose();
       made.dispose();
@@ -122,6 +129,7 @@ export function ViewportPanel(): ReactElement {
       <VariableBoard />
       <AssistCard />
       {running && !controls && <p className="viewport-hint">Drag a character to pull it</p>}
+      <CorrectionCard />
       <PlayControlsBar host={host} />
     </div>
   );

@@ -15,7 +15,7 @@ import { lowest_point } from '../view/character_view';
 import { new_pose_name, store_pose } from '../core/posing/pose_library';
 import { end_tour } from './Tour';
 import { add_camera, cut_here, key_view, place_camera, toggle_through } from './film/actions';
-import { access, circuit, page, parts, poser, registry, session } from './app';
+import { access, circuit, comparer, page, parts, poser, registry, session } from './app';
 import { add_gait, body_for_gait } from './motion/gait_actions';
 
 const state = (): StudioState => session.state;
@@ -489,6 +489,7 @@ const commands: AppCommand[] = [
   { id: 'view.shapes', label: 'Show collision shapes or smooth bodies', group: 'View', keys: ['B'], run: toggle('shapes') },
   { id: 'view.ghosts', label: 'Show or hide ghosts', group: 'View', keys: ['O'], run: toggle('ghosts') },
   { id: 'view.trail', label: 'Show or hide the trail of the centre of mass', group: 'View', keys: ['T'], run: toggle('trail') },
+  { id: 'view.compare', label: 'Show or hide the motion before the correction', group: 'View', keys: ['Shift+C'], enabled: () => comparer.state.comparison !== null, run: () => comparer.show(!comparer.state.on) },
   { id: 'view.contacts', label: 'Show or hide contact forces', group: 'View', keys: ['C'], run: toggle('contacts') },
   { id: 'view.closest', label: 'Show or hide distances of the closest points', group: 'View', keys: ['N'], run: toggle('closest') },
   { id: 'view.assist', label: 'Show or hide the root-assist arrow', group: 'View', run: toggle('assist') },

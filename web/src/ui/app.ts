@@ -2,12 +2,14 @@
 import { useStore } from 'zustand';
 import { createStore } from 'zustand/vanilla';
 import { Access } from '../core/access';
+import { find_clip } from '../core/document';
 import { condition_alone } from '../core/circuit/breakpoints';
 import { CircuitEditor, type EditorState } from '../core/circuit/editor';
 import { CommandRegistry } from '../core/commands';
 import type { CharacterState } from '../core/frames';
 import { LibraryBrowser, type BrowserState } from '../core/library/browser';
 import { ImportQueue, type ImportState } from '../core/library/imports';
+import { Comparer, type CompareState } from '../core/motion/comparer';
 import { MotionDesk, type DeskState } from '../core/motion/desk';
 import { GaitDesk, type GaitState } from '../core/motion/gait';
 import { Poser, type PoserState } from '../core/posing/poser';
@@ -79,6 +81,13 @@ export const desk = new MotionDesk({
   fail: (error) => session.fail(error),
   report: (title, lines) => session.report(title, lines),
   select: (selection) => session.select(selection),
+  clip: ({ character, clip }) => (session.state.document ? find_clip(session.state.document, character, clip) : undefined),
+  corrected: ({ character, clip }, before, report) => void comparer.begin(character, clip, before, report),
+});
+
+export const comparer: Comparer = new Comparer({ ask: (request) => session.ask(request), document: () => session.state.document });
+session.store.subscribe((state, before) => {
+  if (state.document !== before.document) comparer.check();
 });
 
 export const gaits = new GaitDesk({
@@ -173,6 +182,10 @@ export function useImports<T>(pick: (state: ImportState) => T): T {
 
 export function useControls<T>(pick: (state: ReturnType<typeof session.controls.store.getState>) => T): T {
   return useStore(session.controls.store, pick);
+}
+
+export function useComparer<T>(pick: (state: CompareState) => T): T {
+  return useStore(comparer.store, pick);
 }
 
 export function useDesk<T>(pick: (state: DeskState) => T): T {

@@ -244,6 +244,16 @@ export function lowest_point(mechanism: MechanismData): number {
 const ghost_color = 0x8fb3c4;
 
 /** A ghost: the character at another time as an even, transparent silhouette. Depth is drawn first, so that inner surfaces stay hidden. */
+/** Makes a transparent material opaque where its surface is seen edge-on, and almost clear where it faces the viewer. */
+function light_rim(material: THREE.MeshStandardMaterial): void {
+  material.onBeforeCompile = (shader) => {
+    shader.fragmentShader = shader.fragmentShader.replace(
+      '#include <dithering_fragment>',
+      '#include <dithering_fragment>\n  gl_FragColor.a *= mix(0.12, 1.0, pow(1.0 - abs(dot(normalize(vViewPosition), normal)), 1.6));',
+    );
+  };
+}
+
 export class Ghost {
   readonly group = new THREE.Group();
   /** Meshes of each link; empty if the surface is drawn. */
@@ -252,8 +262,11 @@ export class Ghost {
   private readonly color_material: THREE.MeshStandardMaterial;
   private readonly depth_material: THREE.MeshBasicMaterial;
 
-  /** @param order index of the ghost of its character; fixes the draw order  @param surface smooth surface; null: the links are drawn */
-  constructor(geometries: (THREE.BufferGeometry | null)[], order: number, surface: BodySurface | null) {
+  /**
+   * @param order index of the ghost of its character; fixes the draw order  @param surface smooth surface; null: the links are drawn
+   * @param rim true: the ghost is opaque at its silhouette and almost clear inside
+   */
+  constructor(geometries: (THREE.BufferGeometry | null)[], order: number, surface: BodySurface | null, rim = false) {
     this.depth_material = new THREE.MeshBasicMaterial({ colorWrite: false });
     this.color_material = new THREE.MeshStandardMaterial({
       color: ghost_color,
@@ -263,6 +276,7 @@ export class Ghost {
       depthFunc: THREE.EqualDepth,
       depthWrite: false,
     });
+    if (rim) light_rim(this.color_material);
     this.depth_material.transparent = true; // so that the depth is drawn after the solid bodies, before the ghost's colour
     this.group.visible = false;
     if (surface) {

@@ -9,6 +9,7 @@ import { Polyline } from './overlays';
 const ghost_offsets = [-0.8, -0.4, 0.4, 0.8]; // times of the ghosts relative to the current frame, s
 const earlier_color = 0x5f8fc4; // ghosts of a posed character, before and after the playhead
 const later_color = 0x9a79cf;
+const before_color = 0x34d399; // the motion before a correction
 const trail_seconds = 4; // time span of a trail, s
 
 /** Poses of the posed character before and after the present one, in turn; packed values of all links. */
@@ -23,6 +24,8 @@ export class OtherTimes {
   private ghosts: Ghost[] = [];
   private readonly trail = new Polyline(0xff9d5c, 1.6, 0.8);
   private ghosts_shown = false;
+  /** The motion before a correction; made when it is shown for the first time. */
+  private before: Ghost | null = null;
 
   constructor(
     private readonly mechanism: MechanismData,
@@ -64,6 +67,16 @@ export class OtherTimes {
     this.group.add(...this.ghosts.map((g) => g.group));
   }
 
+  /** Shows the character as it was before a correction, by its rim. @param pose packed values of all links; null: nothing is shown */
+  show_before(pose: readonly number[] | null): void {
+    if (!pose) return this.before?.hide();
+    if (!this.before) {
+      this.before = new Ghost(this.geometries, ghost_offsets.length, body_surface(this.mechanism), true);
+      this.group.add(this.before.group);
+    }
+    this.before.show_poses(pose, 0.9, before_color);
+  }
+
   /** Shows the path of the centre of mass in the last seconds before `frame`. */
   show_trail(on: boolean, frames: FrameRing, frame: Frame, index: number, rate: number): void {
     if (!on) return this.trail.hide();
@@ -79,5 +92,6 @@ export class OtherTimes {
 
   dispose(): void {
     for (const ghost of this.ghosts) ghost.dispose();
+    this.before?.dispose();
   }
 }

@@ -16,6 +16,7 @@ import { Crowd } from './crowd';
 import type { CrowdMember } from './crowd_member';
 import { Arrow, assist_color, ContactDiscs, make_ring, Segments, Spring } from './overlays';
 import { CameraOutlines } from './film_view';
+import { pose_before, type Comparison } from '../core/motion/comparer';
 import { OtherTimes, type PoseGhosts } from './other_times';
 import { shadow_reach, Stage } from './stage';
 
@@ -63,6 +64,8 @@ export class Viewport {
   private readonly drawing_listeners = new Set<() => void>();
   /** Ghosts of the posed character; null: ghosts are drawn from frames. */
   private pose_ghosts: PoseGhosts | null = null;
+  /** Returns the comparison whose earlier motion is drawn as a ghost; null: none. */
+  before: () => Comparison | null = () => null;
   private readonly undo_subscriptions: (() => void)[] = [];
   /** True: something changed since the last drawn frame. */
   private dirty = true;
@@ -499,6 +502,8 @@ export class Viewport {
       const rate = state.document?.frame_rate ?? 60;
       const posed = this.pose_ghosts && (this.pose_ghosts.character === character.id ? this.pose_ghosts.poses : []);
       entry.times.show_ghosts(view.ghosts, this.session.frames, frame, index, rate, posed);
+      const before = this.before();
+      entry.times.show_before(before?.character === character.id ? pose_before(before.reply, frame.time) : null);
       entry.times.show_trail(view.trail, this.session.frames, frame, index, rate);
       if (!view.assist || !frame.simulate || !this.draw_assist(entry, frame, character_frame)) entry.assist.hide();
       if (selected === character.id) {

@@ -1,6 +1,7 @@
 /** The motion desk of one page: the open menu and dialog, the running operations on motions, and foot contacts. Framework-free. */
 import { createStore, type StoreApi } from 'zustand/vanilla';
 import type { GaitMakeRequest, MotionRequest } from '../protocol';
+import type { Clip } from '../document';
 import type { Selection } from '../state';
 import { find_operation, type Values } from './operations';
 
@@ -47,6 +48,10 @@ export interface DeskHost {
   /** Shows the result of an operation, a sentence for each line. */
   report(title: string, lines: string[]): void;
   select(selection: Selection): void;
+  /** The clip as the document has it. */
+  clip(target: ClipTarget): Clip | undefined;
+  /** A correction has changed a clip. */
+  corrected(target: ClipTarget, before: Clip, report: readonly string[]): void;
 }
 
 export class MotionDesk {
@@ -62,7 +67,8 @@ export class MotionDesk {
 
   /** Runs an operation on a clip and selects the resulting clip. @return false if it was cancelled or failed */
   async run(operation: string, { character, clip }: ClipTarget, options: Values = {}, other: With = {}): Promise<boolean> {
-    return this.work(find_operation(operation)?.label ?? operation, (task) => ({ op: 'motion', task, character, clip, operation, options, ...other }));
+    const before = operation === 'correct' ? this.host.clip({ character, clip }) : undefined;
+    return this.work(find_operation(operation)?.label ?? operation, (task) => ({ op: 'motion', task, character, clip, operation, options, ...other }), false, before);
   }
 
   /** Makes a gait for a new clip, or another gait for a clip, and selects the clip. @return false if it was cancelled or failed */
@@ -70,8 +76,8 @@ export class MotionDesk {
     return this.work(request.clip ? 'Change gait' : 'Make a gait', (task) => ({ op: 'gait', task, ...request }), true);
   }
 
-  /** @param quiet a report without sentences is not shown */
-  private async work(label: string, to_request: (task: string) => MotionRequest | GaitMakeRequest, quiet = false): Promise<boolean> {
+  /** @param quiet a report without sentences is not shown  @param before the clip, if a correction changes it */
+  private async work(label: string, to_request: (task: string) => MotionRequest | GaitMakeRequest, quiet = false, before?: Clip): Promise<boolean> {
     const id = `${this.page}-${this.next++}`;
     this.store.setState({ tasks: [...this.state.tasks, { id, label, since: performance.now() }] });
     try {
@@ -79,6 +85,7 @@ export class MotionDesk {
       if (reply.cancelled === true) return false;
       if (typeof reply.character === 'string' && typeof reply.clip === 'string') this.host.select({ kind: 'clip', character: reply.character, clip: reply.clip });
       const report = Array.isArray(reply.report) ? reply.report.map(String) : [];
+      if (before && reply.clip === before.id && typeof reply.character === 'string') this.host.corrected({ character: reply.character, clip: before.id }, before, report);
       if (!quiet || report.length > 0) this.host.report(label, report);
       return true;
     } catch (error) {
