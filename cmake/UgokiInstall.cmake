@@ -1,7 +1,7 @@
 # Installation with `cmake --install`, and a Debian package with CPack. scripts/package builds all installed files.
 set(share share/ugoki)
 install(TARGETS ugoki RUNTIME DESTINATION bin)
-install(TARGETS ugoki_native_player RUNTIME DESTINATION libexec/ugoki)
+install(TARGETS ugoki_native_player ugoki_lsi_player RUNTIME DESTINATION libexec/ugoki)
 install(FILES ${CMAKE_BINARY_DIR}/share/ugoki/player.html ${CMAKE_BINARY_DIR}/share/ugoki/ugoki-player.js DESTINATION ${share})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/web/dist/ DESTINATION ${share}/web PATTERN ".built" EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ugoki DESTINATION include)

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "carried_lsis.h"
 #include "osc.h"
 #include "page_session.h"
 #include "ugoki/base/printable.h"
@@ -24,6 +25,9 @@ namespace {
 
 using namespace ugoki;
 using json::Json;
+using player_native::BrowserOpener;
+using player_native::results;
+using player_native::with_carried_lsis;
 
 struct Options {
   bool headless = false, no_open = false, as_json = false;
@@ -33,7 +37,7 @@ struct Options {
   std::string out, inputs;
 };
 
-void print_json(const Json& value) { std::printf("%s\n", printable_json(json::to_text(value, 2)).c_str()); }
+void print_json(const Json& value) { std::fprintf(results(), "%s\n", printable_json(json::to_text(value, 2)).c_str()); }
 
 int print_error(const Error& error, bool as_json) {
   for (const Problem& p : error.problems) std::fprintf(stderr, "%s\n", printable(p.text()).c_str());
@@ -86,12 +90,12 @@ int run_headless(content::Player& player, const Options& o) {
     print_json(
         {{"name", content.name}, {"steps", player.step_count()}, {"time_s", player.time()}, {"frames", number}, {"state_hash", hash}});
   else
-    std::printf("%s: %.3f s in %llu steps, state %s\n", printable(content.name).c_str(), player.time(),
-                static_cast<unsigned long long>(player.step_count()), hash);
+    std::fprintf(results(), "%s: %.3f s in %llu steps, state %s\n", printable(content.name).c_str(), player.time(),
+                 static_cast<unsigned long long>(player.step_count()), hash);
   return 0;
 }
 
-int run_page(content::Player player, std::string page, const Options& o) {
+int run_page(content::Player player, std::string page, const Options& o, BrowserOpener& browser) {
   sigset_t ends;
   sigemptyset(&ends);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&ends, signal);
@@ -118,15 +122,15 @@ int run_page(content::Player player, std::string page, const Options& o) {
     if (osc) report["osc"] = osc->port();
     print_json(report);
   } else {
-    std::printf("%s: %s (Ctrl+C ends the program)\n", printable(name).c_str(), address.c_str());
-    if (osc) std::printf("OSC: UDP port %d of 127.0.0.1\n", osc->port());
+    std::fprintf(results(), "%s: %s (Ctrl+C ends the program)\n", printable(name).c_str(), address.c_str());
+    if (osc) std::fprintf(results(), "OSC: UDP port %d of 127.0.0.1\n", osc->port());
   }
-  std::fflush(stdout);
+  std::fflush(results());
   std::unique_ptr<studio::LaunchPage> launch;
   if (!o.no_open) {
     if (Result<std::unique_ptr<studio::LaunchPage>> written = studio::LaunchPage::write(address)) {
       launch = std::move(*written);
-      studio::open_browser(launch->path());
+      browser.open(launch->path());
     }
   }
   int got = 0;
@@ -136,6 +140,28 @@ int run_page(content::Player player, std::string page, const Options& o) {
   osc.reset();
   session.stop();
   return 0;
+}
+
+/// Opens the content and runs it with or without a page. @return exit status
+int play(const publish::Payload& payload, const std::string& name, const Options& o, const content::PlayerOptions& host,
+         BrowserOpener& browser) {
+  Result<content::Player> player = content::Player::open(payload.ugx, name, host);
+  if (!player) return print_error(player.error(), o.as_json);
+  std::error_code ignored;
+  for (const auto& [what, path] :
+       {std::pair<const char*, std::string>{"this program", "/proc/self/exe"}, {"the file of --inputs", o.inputs}})
+    if (!o.out.empty() && !path.empty() && std::filesystem::equivalent(o.out, path, ignored))
+      return print_error(Error(ErrorCode::conflict, o.out, std::string("The output is ") + what + ".", "Name another file with --out."),
+                         o.as_json);
+  if (!o.inputs.empty()) {
+    const Result<std::string> text = files::read_file(o.inputs);
+    if (!text) return print_error(text.error(), o.as_json);
+    auto inputs = content::read_inputs(*text, player->content(), o.inputs);
+    if (!inputs) return print_error(inputs.error(), o.as_json);
+    player->schedule(std::move(*inputs));
+  }
+  if (o.headless) return run_headless(*player, o);
+  return run_page(std::move(*player), std::string(payload.page), o, browser);
 }
 
 }  // namespace
@@ -169,21 +195,8 @@ int main(int argc, char** argv) {
   const std::string name = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "program";
   const Result<publish::Payload> payload = publish::read_payload(*program, name);
   if (!payload) return print_error(payload.error(), o.as_json);
-  Result<content::Player> player = content::Player::open(payload->ugx, name);
-  if (!player) return print_error(player.error(), o.as_json);
-  std::error_code ignored;
-  for (const auto& [what, path] :
-       {std::pair<const char*, std::string>{"this program", "/proc/self/exe"}, {"the file of --inputs", o.inputs}})
-    if (!o.out.empty() && !path.empty() && std::filesystem::equivalent(o.out, path, ignored))
-      return print_error(Error(ErrorCode::conflict, o.out, std::string("The output is ") + what + ".", "Name another file with --out."),
-                         o.as_json);
-  if (!o.inputs.empty()) {
-    const Result<std::string> text = files::read_file(o.inputs);
-    if (!text) return print_error(text.error(), o.as_json);
-    auto inputs = content::read_inputs(*text, player->content(), o.inputs);
-    if (!inputs) return print_error(inputs.error(), o.as_json);
-    player->schedule(std::move(*inputs));
-  }
-  if (o.headless) return run_headless(*player, o);
-  return run_page(std::move(*player), std::string(payload->page), o);
+  BrowserOpener browser(!o.headless && !o.no_open && !payload->libraries.empty());
+  const Result<int> status = with_carried_lsis(payload->libraries, name,
+                                               [&](const content::PlayerOptions& host) { return play(*payload, name, o, host, browser); });
+  return status ? *status : print_error(status.error(), o.as_json);
 }

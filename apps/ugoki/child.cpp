@@ -42,7 +42,7 @@ Result<std::string> find_program(const std::string& given, std::initializer_list
 }
 
 Result<std::unique_ptr<Child>> Child::start(const std::vector<std::string>& words, bool pipe_input, const std::string& log,
-                                            const std::string& temporary_folder) {
+                                            const std::vector<std::pair<const char*, std::string>>& variables) {
   int ends[2] = {-1, -1};
   if (pipe_input && ::pipe2(ends, O_CLOEXEC) != 0)
     return fail(ErrorCode::io, words[0], "No pipe to the program can be made.", "Close other programs.");
@@ -64,7 +64,7 @@ Result<std::unique_ptr<Child>> Child::start(const std::vector<std::string>& word
   arguments.push_back(nullptr);
   auto child = std::make_unique<Child>();
   files::Environment environment;
-  if (!temporary_folder.empty()) environment.set("TMPDIR", temporary_folder);
+  for (const auto& [name, value] : variables) environment.set(name, value);
   const int status = ::posix_spawn(&child->pid_, words[0].c_str(), &actions, &attributes, arguments.data(), environment.pointers());
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);

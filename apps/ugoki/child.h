@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "ugoki/base/result.h"
@@ -21,9 +22,9 @@ namespace ugoki::cli {
 class Child {
  public:
   /// @param words path of the program and its arguments @param log file to which the output of the program is appended
-  /// @param temporary_folder folder for the temporary files of the program; empty: the same as for this program
+  /// @param variables names and values of environment variables, added to those of this program
   [[nodiscard]] static Result<std::unique_ptr<Child>> start(const std::vector<std::string>& words, bool pipe_input, const std::string& log,
-                                                            const std::string& temporary_folder = "");
+                                                            const std::vector<std::pair<const char*, std::string>>& variables = {});
   Child() = default;
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;

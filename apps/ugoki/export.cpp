@@ -13,6 +13,8 @@
 #include "sources.h"
 #include "ugoki/content/inputs.h"
 #include "ugoki/files/files.h"
+#include "ugoki/lsi/standard_library.h"
+#include "ugoki/plugin/carry.h"
 #include "ugoki/publish/page.h"
 #include "ugoki/publish/parts.h"
 #include "ugoki/publish/payload.h"
@@ -33,7 +35,7 @@ struct Options {
   std::vector<int> size = {1920, 1080};
   double take_rate = 0, duration = 0;
   int fmi_version = 3;
-  bool json = false;
+  bool carry_lsis = false, json = false;
 
   [[nodiscard]] std::vector<NamedFile> outputs() const {
     return {{"--html", html},        {"--native", native},
@@ -63,15 +65,30 @@ struct Written {
   std::uintmax_t bytes = 0;
 };
 
-/// Checks that the content runs with the standard LSIs alone, because pages, pictures and native programs have no other LSIs.
-Result<void> check_portable(std::span<const std::byte> ugx, const std::string& name) {
+/// Returns the installed libraries whose LSIs the content uses; empty: the content runs with the standard LSIs alone.
+/// Error: the content is faulty.
+Result<std::vector<plugin::CarriedFile>> used_libraries(std::span<const std::byte> ugx, const std::string& name) {
+  const Result<content::Player> plain = content::Player::open(ugx, name);
+  if (plain) return {};
+  const Result<HostedPlayer> hosted = open_hosted(ugx, name);
+  if (!hosted) return fail(plain.error());  // the content is faulty whatever the LSIs
+  const Result<circuit::Circuit> circuit = circuit::read_circuit(hosted->player.content().circuit);
+  if (!circuit) return fail(circuit.error());
+  return plugin::libraries_of(*circuit, lsi::standard_library(), plugin::read_shelf(plugin::default_shelf()));
+}
+
+/// Checks that the content runs with the standard LSIs alone, because pages and pictures have no other LSIs.
+Result<void> check_portable(std::span<const std::byte> ugx, const std::string& name, bool native) {
   const Result<content::Player> plain = content::Player::open(ugx, name);
   if (plain) return {};
   if (!open_hosted(ugx, name)) return fail(plain.error());  // the content is faulty whatever the LSIs
   Error error = plain.error();
   for (Problem& p : error.problems) {
-    p.message += " It comes from an installed library. Pages, pictures and native programs can use only the standard LSIs.";
-    p.remedy = "Replace this LSI by standard ones, or write --glb, --usda or --csv, which also simulate LSIs of installed libraries.";
+    p.message += native ? " It comes from an installed library, which is native code. A program carries it only with your consent."
+                        : " It comes from an installed library. Pages and pictures can use only the standard LSIs.";
+    p.remedy = native ? "Add --carry-lsis if you may pass the library on, or replace this LSI by standard ones."
+                      : "Replace this LSI by standard ones, or write --native with --carry-lsis, or --glb, --usda or --csv, which also "
+                        "simulate LSIs of installed libraries.";
   }
   return fail(std::move(error));
 }
@@ -87,13 +104,27 @@ Result<void> write(std::vector<Written>& report, const char* kind, const std::st
 
 Result<void> write_native(const Options& o, const std::string& page, std::span<const std::byte> ugx, std::vector<Written>& report,
                           const std::string& title) {
-  const Result<std::string> program = publish::read_player_part("ugoki_player", o.player);
+  std::vector<plugin::CarriedFile> files;
+  if (o.carry_lsis) {
+    Result<std::vector<plugin::CarriedFile>> used = used_libraries(ugx, title);
+    if (!used) return fail(std::move(used.error()));
+    files = std::move(*used);
+  }
+  std::vector<publish::CarriedLibrary> libraries;
+  for (const plugin::CarriedFile& file : files) libraries.push_back({file.name, std::as_bytes(std::span(file.bytes))});
+  const Result<std::string> program = publish::read_player_part(libraries.empty() ? "ugoki_player" : "ugoki_lsi_player", o.player);
   if (!program) return fail(program.error());
   const Result<std::string> filled = publish::make_page(page, title, ugx, publish::PageEngine::native);
   if (!filled) return fail(filled.error());
-  if (Result<void> done = write(report, "native", o.native, publish::append_payload(std::as_bytes(std::span(*program)), *filled, ugx));
+  if (Result<void> done =
+          write(report, "native", o.native, publish::append_payload(std::as_bytes(std::span(*program)), *filled, ugx, libraries));
       !done)
     return done;
+  for (const plugin::CarriedFile& file : files) report.push_back({"library " + file.library, o.native, file.bytes.size()});
+  if (!o.json)
+    for (const plugin::CarriedFile& file : files)
+      print_line("Carries the library '" + file.library + "' (SHA-256 " + file.hash +
+                 "): its code runs with the rights of whoever starts the program.");
   struct stat facts{};
   if (::stat(o.native.c_str(), &facts) != 0 || ::chmod(o.native.c_str(), (facts.st_mode & 0777) | ((facts.st_mode & 0444) >> 2)) != 0)
     return fail(ErrorCode::io, o.native, "The file cannot be made executable.", "Make it executable with `chmod +x`.");
@@ -198,7 +229,9 @@ int run_export(Options o) {
     if (!o.ugx.empty())
       if (Result<void> done = write(report, "ugx", o.ugx, ugx); !done) return done;
     if (o.wants_page()) {
-      if (Result<void> good = check_portable(ugx, source->name); !good) return good;
+      const bool only_native = !o.native.empty() && o.html.empty() && o.embed.empty() && !o.pictures.any();
+      if (!o.carry_lsis || !only_native)
+        if (Result<void> good = check_portable(ugx, source->name, only_native); !good) return good;
       Result<std::string> page = publish::read_player_part("player.html", o.player);
       if (!page) return fail(std::move(page.error()));
       if (!o.html.empty()) {
@@ -286,6 +319,9 @@ void add_export_verb(CLI::App& app, Action& action) {
   };
   file("--html", o->html, "One HTML file: plays live in any browser, from a disk, without a network")->group("Programs");
   file("--native", o->native, "One executable file for Linux: opens its page, or runs with --headless")->group("Programs");
+  verb->add_flag("--carry-lsis", o->carry_lsis,
+                 "--native: the program carries the code of the installed libraries of LSIs that the content uses")
+      ->group("Programs");
   verb->add_option("--embed", o->embed, "Folder with the element <ugoki-player> for your own pages")
       ->type_name("FOLDER")
       ->group("Programs");

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <condition_variable>
 #include <csignal>
@@ -11,6 +12,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <thread>
 
 #include "child.h"
 #include "export.h"
@@ -32,6 +34,15 @@ namespace fs = std::filesystem;
 constexpr int max_waiting = 4;    // pictures that have arrived but are not written yet
 constexpr double patience = 120;  // s: a browser that draws no picture for this time is regarded as hanging
 constexpr int max_pictures = 1'000'000;
+constexpr int max_browsers = 4;         // each takes about 300 MB of memory
+constexpr int pictures_a_browser = 30;  // the time in which a browser starts
+
+/// Number of browsers that draw a share of the pictures each. Without a graphics processor, one browser leaves part of a second core idle,
+/// because its threads wait for each other.
+int browser_count(int pictures, bool graphics_processor) {
+  if (graphics_processor) return 1;
+  return std::clamp(pictures / pictures_a_browser, 1, std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, max_browsers));
+}
 
 /// Receives the pictures of the page.
 class Receiver final : public studio::ServerEvents {
@@ -40,10 +51,16 @@ class Receiver final : public studio::ServerEvents {
     std::string png, raw;
   };
 
-  explicit Receiver(std::string settings) : settings_(std::move(settings)) {}
+  /// @param settings of all pages, JSON @param pages number of pages; page k draws the pictures k, k + pages, k + 2 pages ...
+  Receiver(Json settings, int pages) : settings_(std::move(settings)), pages_(pages) {}
 
   void on_api(studio::ApiRequest request, std::function<void(studio::ApiReply)> answer) override {
-    if (request.path == "/api/pictures") return answer({200, settings_});
+    if (request.path == "/api/pictures") {
+      Json settings = settings_;
+      settings["first"] = next_page_++ % pages_;
+      settings["stride"] = pages_;
+      return answer({200, json::to_text(settings)});
+    }
     if (request.path == "/api/picture") {
       const std::optional<long> number = parse_long(studio::query_value(request.query, "number").value_or(""));
       const bool png = studio::query_value(request.query, "form").value_or("") == "png";
@@ -98,7 +115,9 @@ class Receiver final : public studio::ServerEvents {
   }
 
  private:
-  const std::string settings_;
+  const Json settings_;
+  const int pages_;
+  std::atomic<int> next_page_ = 0;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::map<int, Picture> arrived_;
@@ -174,6 +193,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   const Result<files::TemporaryFolder> scratch = files::TemporaryFolder::make("pictures", "temporary folder");
   if (!scratch) return fail(scratch.error());
   const fs::path folder = scratch->path();
+  std::error_code ec;
   catch_interrupt();
   std::signal(SIGPIPE, SIG_IGN);
 
@@ -199,7 +219,9 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
     if (!inputs) return fail(std::move(inputs.error()));
     settings["inputs"] = inputs->contains("inputs") ? (*inputs)["inputs"] : *inputs;
   }
-  Receiver receiver(json::to_text(settings));
+  const bool graphics_processor = fs::exists("/dev/dri", ec);
+  const int browsers = browser_count(count, graphics_processor);
+  Receiver receiver(std::move(settings), browsers);
   studio::ServerOptions server_options;
   server_options.page = *filled;
   const Result<std::unique_ptr<studio::Server>> server = studio::Server::listen(server_options, receiver);
@@ -212,7 +234,6 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
                                     "--headless",
                                     "--no-first-run",
                                     "--no-default-browser-check",
-                                    "--user-data-dir=" + (folder / "profile").string(),
                                     "--disable-background-networking",
                                     "--disable-component-update",
                                     "--disable-sync",
@@ -223,16 +244,24 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
                                     "--hide-scrollbars",
                                     "--force-device-scale-factor=1",
                                     "--window-size=" + std::to_string(o.width) + "," + std::to_string(o.height)};
-  std::error_code ec;
-  // Without a graphics processor, Mesa's renderer (llvmpipe) draws with half the processor time of SwiftShader, the renderer of Chromium.
-  // If Mesa is not installed, Chromium falls back to SwiftShader.
-  if (!fs::exists("/dev/dri", ec))
+  std::vector<std::pair<const char*, std::string>> variables = {{"TMPDIR", folder.string()}};
+  if (!graphics_processor) {
+    // Without a graphics processor, Mesa's renderer (llvmpipe) draws with half the processor time of SwiftShader, the renderer of Chromium.
+    // If Mesa is not installed, Chromium falls back to SwiftShader.
     words.insert(words.end(), {"--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader",
                                "--disable-gpu-rasterization"});
+    if (browsers > 1) variables.emplace_back("LP_NUM_THREADS", "0");  // llvmpipe draws on the thread that calls it
+  }
   if (::geteuid() == 0) words.emplace_back("--no-sandbox");  // Chromium refuses to run as root with its sandbox
-  words.push_back("file://" + (*launch)->path());
-  const Result<std::unique_ptr<Child>> drawing = Child::start(words, false, browser_log.string(), folder.string());
-  if (!drawing) return fail(drawing.error());
+  std::vector<std::unique_ptr<Child>> drawing;
+  for (int i = 0; i < browsers; ++i) {
+    std::vector<std::string> own = words;
+    own.push_back("--user-data-dir=" + (folder / ("profile" + std::to_string(i))).string());
+    own.push_back("file://" + (*launch)->path());
+    Result<std::unique_ptr<Child>> child = Child::start(own, false, browser_log.string(), variables);
+    if (!child) return fail(std::move(child.error()));
+    drawing.push_back(std::move(*child));
+  }
 
   std::vector<Video> started;
   struct Unfinished {  // removes the files of videos that were not completed
@@ -284,9 +313,10 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
     out.insert(out.end(), {"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"});
     return out;
   };
-  if (Result<void> done = start_video(
-          outputs.mp4, coder({"-c:v", "libx264", "-preset", "ultrafast", "-aq-mode", "1", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart"}),
-          ".mp4");
+  if (Result<void> done = start_video(outputs.mp4,
+                                      coder({"-c:v", "libx264", "-preset", "ultrafast", "-aq-mode", "1", "-crf", "18", "-pix_fmt",
+                                             "yuv420p", "-movflags", "+faststart"}),
+                                      ".mp4");
       !done)
     return fail(std::move(done.error()));
   if (Result<void> done = start_video(outputs.webm,
@@ -311,7 +341,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
       if (interrupted()) return fail(interrupted_error());
       if (const std::string failure = receiver.failure(); !failure.empty())
         return fail(ErrorCode::io, "picture " + std::to_string(i + 1), failure, "Check the content in the studio.");
-      if ((*drawing)->ended())
+      if (std::ranges::any_of(drawing, [](const std::unique_ptr<Child>& child) { return child->ended(); }))
         return fail(ErrorCode::io, *browser, "The browser ended before all pictures were drawn." + tail_of(browser_log),
                     "Try another browser with --browser.");
       if (waited > patience)

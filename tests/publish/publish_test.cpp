@@ -80,12 +80,27 @@ TEST(Payload, IsReadAsWritten) {
   }
 }
 
+TEST(Payload, LibrariesAreReadAsWritten) {
+  const auto first = random_bytes(70, 4), second = random_bytes(0, 5);
+  const std::vector<CarriedLibrary> libraries = {{"springs-0123.so", first}, {"empty.so", second}};
+  const auto file = append_payload(random_bytes(100, 1), "page", random_bytes(10, 2), libraries);
+  const auto read = read_payload(file, "walk");
+  ASSERT_TRUE(read) << read.error().text();
+  ASSERT_EQ(read->libraries.size(), 2u);
+  EXPECT_EQ(read->libraries[0].name, "springs-0123.so");
+  EXPECT_TRUE(std::ranges::equal(read->libraries[0].bytes, first));
+  EXPECT_TRUE(read->libraries[1].bytes.empty());
+}
+
 TEST(Payload, DamageOfEveryKindIsRefused) {
-  const auto file = append_payload(random_bytes(500, 1), "page of the content", random_bytes(700, 2));
+  const auto code = random_bytes(300, 7);
+  const std::vector<CarriedLibrary> libraries = {{"springs.so", code}};
+  const auto file = append_payload(random_bytes(500, 1), "page of the content", random_bytes(700, 2), libraries);
   EXPECT_FALSE(read_payload(std::span(file).first(500), "walk")) << "a program without payload";
   for (std::size_t size = 0; size < file.size(); size += 7) EXPECT_FALSE(read_payload(std::span(file).first(size), "walk")) << size;
-  for (std::size_t at = file.size() - 64; at < file.size() - 8; ++at) {
-    if (at >= file.size() - 52 && at < file.size() - 48) continue;  // the reserved field of the trailer is not checked
+  for (std::size_t at = file.size() - 64 - 128; at < file.size(); ++at) {  // table and trailer
+    const std::size_t name_end = file.size() - 64 - 112 + std::string_view("springs.so").size() + 1;
+    if (at >= name_end && at < file.size() - 64) continue;  // bytes after the end of the name have no meaning
     auto damaged = file;
     damaged[at] ^= std::byte{0x80};
     EXPECT_FALSE(read_payload(damaged, "walk")) << at - (file.size() - 64);

@@ -1,9 +1,11 @@
 // Journeys (end-to-end tests) with LSIs from a user's C file: build, wire, run, reload while running, and faults. They use the real studio
 // and its child processes.
 import assert from 'node:assert/strict';
-import { writeFileSync } from 'node:fs';
+import { spawnSync } from 'node:child_process';
+import { chmodSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { violations } from './accessibility.mjs';
 import { mock } from './service.mjs';
 import { add, drag, head, large, pin, spot, state, wait_for_undo_label, until } from './wiring.mjs';
 
@@ -241,6 +243,41 @@ const journeys = [
   { name: 'plug-in: an integer division by zero is reported at the LSI', run: ({ page }) => fault(page, { lsi: 'quotient', pattern: /divided an integer by zero/, zeros: ['b'] }) },
   { name: 'plug-in: an endless loop is reported at the LSI', run: ({ page }) => fault(page, { lsi: 'forever', pattern: /did not return within 3\.0 s and was stopped/ }) },
   { name: 'plug-in: a NaN output is reported at the LSI and its pin', run: ({ page }) => fault(page, { lsi: 'invalid', pattern: /of its output 'out' is not finite/, output: true }) },
+  {
+    name: 'plug-in: a native program carries the library that its content uses, after consent',
+    async run({ page, service }) {
+      await reset_circuit(page);
+      await add(page, 'clock', await spot(page, 0.3, 0.9));
+      await add(page, 'faulty/good', await spot(page, 0.55, 0.9));
+      await until(page, (c) => c.lsis.some((l) => l.id === 'clock') && c.lsis.some((l) => l.id === 'faulty-good'), 'both LSIs');
+      await page.waitForTimeout(250);
+      await drag(page, await pin(page, 'clock', 'time', 'out'), await pin(page, 'faulty-good', 't', 'in'));
+      await wait_for_undo_label(page, /^Wire$/);
+      const export_program = async () => {
+        await page.keyboard.press('Control+k');
+        await page.getByRole('combobox', { name: 'Search commands' }).fill('native program');
+        await page.keyboard.press('Enter');
+        await page.getByRole('dialog', { name: 'Carry libraries along' }).waitFor();
+      };
+      const dialog = page.getByRole('dialog', { name: 'Carry libraries along' });
+      await export_program();
+      assert.match(await dialog.textContent(), /faulty.*[0-9a-f]{64}/);
+      await page.screenshot({ path: `${pictures}plugin-carry.png` });
+      assert.deepEqual(await violations(page), []);
+      await page.keyboard.press('Escape');
+      await dialog.waitFor({ state: 'detached' });
+      await export_program();
+      const [file] = await Promise.all([page.waitForEvent('download'), dialog.getByRole('button', { name: 'Carry along and export' }).click()]);
+      const program = join(service.folder, 'carried');
+      await file.saveAs(program);
+      chmodSync(program, 0o755);
+      const run = spawnSync(program, ['--headless', '--steps', '20'], { encoding: 'utf8', env: { ...process.env, UGOKI_LSI: '/nowhere' } });
+      assert.equal(run.status, 0, run.stderr);
+      assert.match(run.stdout, /in 20 steps, state [0-9a-f]{16}/);
+      await page.getByRole('button', { name: 'Reset to generated' }).click();
+      await wait_for_undo_label(page, /^Use default circuit$/);
+    },
+  },
   {
     name: 'plug-in: LSIs of a removed library are shown as missing, and the circuit is unchanged',
     async run({ page, service }) {

@@ -1,7 +1,7 @@
 import * as THREE from 'three';
 import { describe, expect, it } from 'vitest';
 import type { MechanismData } from '../src/core/protocol';
-import { make_body_surface, type BodySurface, type IndexRange } from '../src/view/body_surface';
+import { finish, make_body_surface, make_rough_surface, type BodySurface, type IndexRange } from '../src/view/body_surface';
 import { BodyField, bind_poses } from '../src/view/body_field';
 
 type Link = { label: string; parent: number; at: [number, number, number]; shape: object };
@@ -136,5 +136,20 @@ describe('the surface of a body', () => {
       field.look_near(x, y, z, 0.01);
       expect(field.distance(x + 0.005, y - 0.005, z + 0.005)).toBe(all.distance(x + 0.005, y - 0.005, z + 0.005));
     }
+  });
+
+  it('begins rough and becomes the same surface', () => {
+    const { surface, refine } = make_rough_surface(chain)!;
+    const { geometry } = surface;
+    expect(surface.shown.count).toBeLessThan(0.4 * made.chain.shown.count);
+    expect(surface.shown.count).toBeGreaterThan(0);
+    let freed = 0;
+    geometry.addEventListener('dispose', () => freed++);
+    finish(refine);
+    expect(freed).toBe(1);
+    expect(surface.geometry).toBe(geometry);
+    expect([surface.shown, surface.shadow]).toEqual([made.chain.shown, made.chain.shadow]);
+    for (const name of ['position', 'normal', 'skinIndex', 'skinWeight']) expect(geometry.getAttribute(name).array).toEqual(made.chain.geometry.getAttribute(name).array);
+    expect(geometry.index!.array).toEqual(made.chain.geometry.index!.array);
   });
 });

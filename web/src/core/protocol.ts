@@ -15,6 +15,13 @@ export interface Problem {
   remedy?: string;
 }
 
+/** An installed library of LSIs that the open project uses (GET /api/export/libraries). */
+export interface UsedLibrary {
+  name: string;
+  sha256: string;
+  bytes: number;
+}
+
 export interface ServiceError {
   problems: Problem[];
 }

@@ -7,7 +7,7 @@ import type { Breakpoint, BreakpointHit } from './circuit/breakpoints';
 import { ClassList } from './circuit/classes';
 import type { Circuit } from './circuit/form';
 import { MeasureHistory } from './measures';
-import type { CharacterInfo, LogLine, MechanismData, Problem, ProjectInfo, RecentProject, RecordedEvent, Summary, Transport } from './protocol';
+import type { CharacterInfo, LogLine, MechanismData, Problem, ProjectInfo, RecentProject, RecordedEvent, Summary, Transport, UsedLibrary } from './protocol';
 
 export type Selection =
   | { kind: 'none' }
@@ -107,7 +107,9 @@ export interface StudioState {
   toasts: Toast[];
   /** The camera of the viewport: 'free' (moved by the user), 'shots' (the shot at the playhead), or the id of a camera of the document. */
   through: string;
-  dialog: 'none' | 'palette' | 'keys' | 'edit_keys' | 'save_as' | 'open' | 'new' | 'sweep';
+  dialog: 'none' | 'palette' | 'keys' | 'edit_keys' | 'save_as' | 'open' | 'new' | 'sweep' | 'carry';
+  /** Installed libraries whose LSIs the content uses, while the dialog 'carry' asks whether a native program may carry them. */
+  used_libraries: UsedLibrary[];
 }
 
 export const initial_transport: Transport = {
@@ -159,6 +161,7 @@ export const initial_state: StudioState = {
   toasts: [],
   through: 'free',
   dialog: 'none',
+  used_libraries: [],
 };
 
 /** Choices that the user made in another page or session. Unknown keys and values of a wrong type are ignored. */

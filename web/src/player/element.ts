@@ -33,6 +33,7 @@ const icons = {
   all: icon('<path d="M2.5 5.5v-3h3M10.5 2.5h3v3M13.5 10.5v3h-3M5.5 13.5h-3v-3"/>'),
 };
 
+const surface_budget = 4; // ms: time for refining the surfaces of bodies for each picture
 const step_budget = 13; // ms: time of the engine for each picture; the rest of 16.7 ms is for drawing
 const max_backlog = 0.1; // s: maximum delay of the content; if the delay is larger, the content runs slower than real time
 
@@ -335,6 +336,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
       if (passed > 0) this.dirty = true;
       this.check_end();
     }
+    if (this.first_picture > 0 && view.refine(surface_budget)) this.dirty = true;
     if (!view.stage.free) return;
     const frame = engine.frame;
     if (this.dirty && frame && frame !== view.frame) view.place(frame);

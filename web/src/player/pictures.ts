@@ -12,6 +12,9 @@ interface Settings {
   /** Time of the first picture, s. */
   from: number;
   count: number;
+  /** This page draws the pictures first, first + stride, first + 2 stride ...; others draw the rest. */
+  first: number;
+  stride: number;
   /** Number of sub-frames of a picture. */
   blur: number;
   /** Fraction of the time between two pictures over which the sub-frames are spread. */
@@ -85,15 +88,19 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
     if (!answer.ok) throw new Error(`The program refused picture ${number + 1}: ${await answer.text()}`);
   };
   for (let i = 0; i < settings.count; i++) {
+    const mine = i % settings.stride === settings.first;
     const begin = settings.from + i / settings.rate;
     const open_time = (settings.shutter / settings.rate) * (settings.blur > 1 ? 1 : 0);
     sums?.fill(0);
     for (let k = 0; k < settings.blur; k++) {
+      // the times of all pictures are visited, so that the camera moves in the same steps on all pages
       await go_to(begin + (open_time * k) / settings.blur);
+      if (!mine) continue;
       view.draw(true);
       if (sums || settings.raw === 'rgba') gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
       if (sums) for (let j = 0; j < pixels.length; j++) sums[j]! += pixels[j]!;
     }
+    if (!mine) continue;
     if (sums) for (let j = 0; j < pixels.length; j++) pixels[j] = Math.round(sums[j]! / settings.blur);
     const sending: Promise<void>[] = [];
     if (settings.png) {

@@ -2,8 +2,9 @@
 import * as THREE from 'three';
 import { shot_at, view_of } from '../core/film';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, type Frame } from '../core/frames';
+import type { MechanismData } from '../core/protocol';
 import { CameraRig } from '../view/camera';
-import { hidden_layer } from '../view/body_view';
+import { body_surface, GradualSurfaces, hidden_layer } from '../view/body_view';
 import { CharacterView, mechanism_geometries, type LinkTag } from '../view/character_view';
 import { Arrow, assist_color, ContactDiscs, Spring } from '../view/overlays';
 import { shadow_reach, Stage, type StageOptions } from '../view/stage';
@@ -34,6 +35,7 @@ export class SceneView {
   followed = -1;
   /** True: the view is that of the shots; false after the user has moved it. */
   directed = true;
+  private readonly surfaces = new GradualSurfaces();
   private readonly assist_arrows: Arrow[];
   private readonly contact_arrows: Arrow[] = [];
   private readonly discs = new ContactDiscs(max_contacts);
@@ -51,8 +53,9 @@ export class SceneView {
     this.stage = new Stage(canvas, options);
     this.raycaster.layers.enable(hidden_layer);
     const geometries = scene.mechanisms.map(mechanism_geometries);
+    const surface_of = options.pictures ? body_surface : (mechanism: MechanismData) => this.surfaces.of(mechanism);
     this.characters = scene.characters.map((c, index) => {
-      const view = new CharacterView(String(index), scene.mechanisms[c.mechanism]!, geometries[c.mechanism]!, c.color || '#e6e6ea');
+      const view = new CharacterView(String(index), scene.mechanisms[c.mechanism]!, geometries[c.mechanism]!, c.color || '#e6e6ea', surface_of);
       this.stage.scene.add(view.group);
       return view;
     });
@@ -70,6 +73,11 @@ export class SceneView {
     this.rig.on_leave = () => (this.directed = false);
     this.set_theme(options.theme);
     this.followed = scene.characters.findIndex((c) => c.id === scene.camera.follow);
+  }
+
+  /** Works on the smooth surfaces, which are rough at first. @return true if the picture changes */
+  refine(milliseconds: number): boolean {
+    return this.surfaces.refine(milliseconds);
   }
 
   set_theme(theme: 'dark' | 'light'): void {

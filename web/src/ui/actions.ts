@@ -10,7 +10,7 @@ import { draft_key, selected_character, type Selection } from '../core/state';
 import { reads_anything } from '../core/play_controls';
 import type { StudioState, ViewOptions } from '../core/state';
 import { EditTurns } from '../core/turns';
-import { RequestError, type ServiceError } from '../core/protocol';
+import { RequestError, type ServiceError, type UsedLibrary } from '../core/protocol';
 import { lowest_point } from '../view/character_view';
 import { new_pose_name, store_pose } from '../core/posing/pose_library';
 import { end_tour } from './Tour';
@@ -339,9 +339,14 @@ export function enter_controls(): void {
 }
 
 /** Exports the project and offers the file as a download. @param form of GET /api/export/FORM */
-async function export_as(form: string, ending: string): Promise<void> {
-  session.notify('Exporting …');
+export async function export_as(form: string, ending: string): Promise<void> {
   try {
+    if (form === 'native') {
+      const used = await access.fetch('api/export/libraries');
+      const { libraries } = used.ok ? ((await used.json()) as { libraries: UsedLibrary[] }) : { libraries: [] };
+      if (libraries.length > 0) return session.set({ dialog: 'carry', used_libraries: libraries });
+    }
+    session.notify('Exporting …');
     const response = await access.fetch(`api/export/${form}`);
     if (!response.ok) {
       const { problems } = new RequestError(((await response.json()) as { error?: ServiceError }).error, 'The export failed.');

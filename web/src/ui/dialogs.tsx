@@ -3,6 +3,7 @@ import { useEffect, useLayoutEffect, useRef, useState, type ReactElement } from 
 import { show_key } from '../core/keymap';
 import { code_in } from '../core/access';
 import { access, registry, session, useStudio } from './app';
+import { CarryDialog } from './CarryDialog';
 import { NewDialog, OpenDialog } from './files';
 import { Icon } from './icons';
 import { KeyEditor } from './KeyEditor';
@@ -19,6 +20,7 @@ export function Dialogs(): ReactElement | null {
   if (dialog === 'open') return <OpenDialog />;
   if (dialog === 'new') return <NewDialog />;
   if (dialog === 'sweep') return <SweepDialog />;
+  if (dialog === 'carry') return <CarryDialog />;
   return null;
 }
 

@@ -20,40 +20,101 @@ export interface IndexRange {
 
 const shadow_cells_over_height = 65; // edges of shadows move by at most 2 mm, less than a texel of the shadow map
 const cells_over_height = 100; // 18 mm for a person of 1.8 m: fingers and toes of the samples have no shapes of their own
+const rough_cells_over_height = 45; // a fifth of the work
 const block = 4; // edge of a block of cells that is skipped if it is far from the surface, cells
+const vertices_at_once = 128; // work between two pauses
 /** Maximum number of links of a body; sets the size of a uniform array of the shader, of which WebGL 2 guarantees 256 vectors. */
 export const max_links = 96;
 
+/** Work in parts of about a millisecond. */
+export type Work<T> = Generator<undefined, T>;
+
+/** Does all of the work at once. */
+export function finish<T>(work: Work<T>): T {
+  for (;;) {
+    const next = work.next();
+    if (next.done) return next.value;
+  }
+}
+
 /** Makes the surface of a mechanism in about 0.2 s; null if the mechanism is no body (robots, balls, boxes). */
 export function make_body_surface(mechanism: MechanismData): BodySurface | null {
+  return surface_of(mechanism, (field) => finish(details_of(field, [cells_over_height, shadow_cells_over_height])));
+}
+
+/**
+ * Makes a rough surface of a mechanism in a fifth of the time; null if the mechanism is no body.
+ * @return the surface, and the work after which the same objects are the surface of make_body_surface()
+ */
+export function make_rough_surface(mechanism: MechanismData): { surface: BodySurface; refine: Work<void> } | null {
+  const surface = surface_of(mechanism, (field) => finish(details_of(field, [rough_cells_over_height])));
+  if (!surface) return null;
+  function* refine(rough: BodySurface): Work<void> {
+    set_details(rough, yield* details_of(new BodyField(mechanism, bind_poses(mechanism)), [cells_over_height, shadow_cells_over_height]));
+  }
+  return { surface, refine: refine(surface) };
+}
+
+/** What a surface consists of; the meshes of all levels of detail are one after the other. */
+interface Details {
+  positions: Float32Array;
+  normals: Float32Array;
+  links: Uint16Array;
+  weights: Float32Array;
+  indices: Uint32Array;
+  ranges: IndexRange[];
+}
+
+function surface_of(mechanism: MechanismData, details: (field: BodyField) => Details): BodySurface | null {
   if (!is_body(mechanism) || mechanism.links.length > max_links) return null;
   const bind = bind_poses(mechanism);
-  const field = new BodyField(mechanism, bind);
-  const fine = mesh_of(field, cells_over_height);
-  const coarse = mesh_of(field, shadow_cells_over_height);
-  if (fine.indices.length === 0) return null;
-  const positions = new Float32Array(fine.positions.length + coarse.positions.length);
-  positions.set(fine.positions);
-  positions.set(coarse.positions, fine.positions.length);
-  const first = fine.positions.length / 3;
-  const indices = new Uint32Array(fine.indices.length + coarse.indices.length);
-  indices.set(fine.indices);
-  for (let i = 0; i < coarse.indices.length; i++) indices[fine.indices.length + i] = first + coarse.indices[i]!;
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute('position', new THREE.BufferAttribute(positions, 3));
-  geometry.setAttribute('normal', new THREE.BufferAttribute(normals_of(field, positions), 3));
-  const { links, weights } = weights_of(field, positions);
-  geometry.setAttribute('skinIndex', new THREE.BufferAttribute(links, 4));
-  geometry.setAttribute('skinWeight', new THREE.BufferAttribute(weights, 4));
-  geometry.setIndex(new THREE.BufferAttribute(indices, 1));
+  const made = details(new BodyField(mechanism, bind));
+  if (made.ranges[0]!.count === 0) return null;
+  const empty = { start: 0, count: 0 };
+  const surface: BodySurface = { geometry: new THREE.BufferGeometry(), shown: { ...empty }, shadow: { ...empty }, inverses: bind.map((m) => m.clone().invert()) };
+  set_details(surface, made);
+  return surface;
+}
+
+function set_details({ geometry, shown, shadow }: BodySurface, made: Details): void {
+  geometry.dispose(); // frees the buffers of the former details
+  geometry.setAttribute('position', new THREE.BufferAttribute(made.positions, 3));
+  geometry.setAttribute('normal', new THREE.BufferAttribute(made.normals, 3));
+  geometry.setAttribute('skinIndex', new THREE.BufferAttribute(made.links, 4));
+  geometry.setAttribute('skinWeight', new THREE.BufferAttribute(made.weights, 4));
+  geometry.setIndex(new THREE.BufferAttribute(made.indices, 1));
   geometry.computeBoundingSphere();
-  const shown = { start: 0, count: fine.indices.length };
+  Object.assign(shown, made.ranges[0]);
+  Object.assign(shadow, made.ranges[made.ranges.length - 1]);
   geometry.setDrawRange(shown.start, shown.count);
-  return { geometry, shown, shadow: { start: shown.count, count: coarse.indices.length }, inverses: bind.map((m) => m.clone().invert()) };
+}
+
+/** @param levels cells over the height of the mesh that is shown, and of the one that casts shadows if it is another one */
+function* details_of(field: BodyField, levels: readonly number[]): Work<Details> {
+  const meshes: Mesh[] = [];
+  for (const cells of levels) meshes.push(yield* mesh_of(field, cells));
+  const positions = new Float32Array(meshes.reduce((sum, mesh) => sum + mesh.positions.length, 0));
+  const indices = new Uint32Array(meshes.reduce((sum, mesh) => sum + mesh.indices.length, 0));
+  const ranges: IndexRange[] = [];
+  let [vertex, start] = [0, 0];
+  for (const mesh of meshes) {
+    positions.set(mesh.positions, 3 * vertex);
+    for (let i = 0; i < mesh.indices.length; i++) indices[start + i] = vertex + mesh.indices[i]!;
+    ranges.push({ start, count: mesh.indices.length });
+    vertex += mesh.positions.length / 3;
+    start += mesh.indices.length;
+  }
+  const normals = yield* normals_of(field, positions);
+  return { positions, normals, ...(yield* weights_of(field, positions)), indices, ranges };
+}
+
+interface Mesh {
+  positions: Float32Array;
+  indices: number[];
 }
 
 /** The zero level as a mesh by surface nets: one vertex for each cell that the level crosses, one quad for each crossed edge. */
-function mesh_of(field: BodyField, cells: number): { positions: Float32Array; indices: number[] } {
+function* mesh_of(field: BodyField, cells: number): Work<Mesh> {
   const box = new THREE.Box3();
   for (const link of field.links) box.union(new THREE.Box3().setFromCenterAndSize(link.centre, new THREE.Vector3().setScalar(2 * (link.reach + link.blend))));
   const size = box.getSize(new THREE.Vector3());
@@ -75,7 +136,8 @@ function mesh_of(field: BodyField, cells: number): { positions: Float32Array; in
     const middle = 0.5 * h * (block - 1);
     // from the middle of a block to its corners, and two cells more: values beside the zero level are needed
     const away = link.blend + Math.sqrt(3) * middle + 2 * h;
-    for (let kb = k0; kb <= k1; kb += block)
+    for (let kb = k0; kb <= k1; kb += block) {
+      yield;
       for (let jb = j0; jb <= j1; jb += block)
         for (let ib = i0; ib <= i1; ib += block) {
           if (field.min_distance(link, origin.x + h * ib + middle, origin.y + h * jb + middle, origin.z + h * kb + middle) > away) continue;
@@ -91,12 +153,14 @@ function mesh_of(field: BodyField, cells: number): { positions: Float32Array; in
               }
             }
         }
+    }
   }
   const vertex = new Int32Array(values.length).fill(-1);
   const positions: number[] = [];
   const corners = [0, 1, nx, nx + 1, nx * ny, nx * ny + 1, nx * ny + nx, nx * ny + nx + 1];
   const edges = [0, 1, 2, 3, 4, 5, 6, 7, 0, 2, 1, 3, 4, 6, 5, 7, 0, 4, 1, 5, 2, 6, 3, 7]; // pairs of corners
-  for (let k = 0; k < nz - 1; k++)
+  for (let k = 0; k < nz - 1; k++) {
+    yield;
     for (let j = 0; j < ny - 1; j++)
       for (let i = begin[j + ny * k]!, last = Math.min(end[j + ny * k]!, nx - 1); i < last; i++) {
         const base = at(i, j, k);
@@ -123,9 +187,11 @@ function mesh_of(field: BodyField, cells: number): { positions: Float32Array; in
         vertex[base] = positions.length / 3;
         positions.push(origin.x + h * (i + x / count), origin.y + h * (j + y / count), origin.z + h * (k + z / count));
       }
+  }
   const indices: number[] = [];
   const steps = [1, nx, nx * ny];
-  for (let k = 1; k < nz - 1; k++)
+  for (let k = 1; k < nz - 1; k++) {
+    yield;
     for (let j = 1; j < ny - 1; j++)
       for (let i = Math.max(1, begin[j + ny * k]!), last = Math.min(end[j + ny * k]!, nx - 1); i < last; i++) {
         const base = at(i, j, k);
@@ -138,14 +204,16 @@ function mesh_of(field: BodyField, cells: number): { positions: Float32Array; in
           else indices.push(a, c, b, a, d, c);
         }
       }
-  return { positions: settle(field, new Float32Array(positions), h), indices };
+  }
+  return { positions: yield* settle(field, new Float32Array(positions), h), indices };
 }
 
 /** Moves vertices onto the zero level along the gradient: the cells' size is not visible on the surface. */
-function settle(field: BodyField, positions: Float32Array, h: number): Float32Array {
+function* settle(field: BodyField, positions: Float32Array, h: number): Work<Float32Array> {
   const e = 0.1 * h;
   for (let round = 0; round < 2; round++)
     for (let i = 0; i < positions.length; i += 3) {
+      if (i % (3 * vertices_at_once) === 0) yield;
       const [x, y, z] = [positions[i]!, positions[i + 1]!, positions[i + 2]!];
       field.look_near(x, y, z, e);
       const d = field.distance(x, y, z);
@@ -162,11 +230,12 @@ function settle(field: BodyField, positions: Float32Array, h: number): Float32Ar
   return positions;
 }
 
-function normals_of(field: BodyField, positions: Float32Array): Float32Array {
+function* normals_of(field: BodyField, positions: Float32Array): Work<Float32Array> {
   const out = new Float32Array(positions.length);
   const e = 2e-3; // m: smooths the creases between links that are not connected
   const n = new THREE.Vector3();
   for (let i = 0; i < positions.length; i += 3) {
+    if (i % (3 * vertices_at_once) === 0) yield;
     const [x, y, z] = [positions[i]!, positions[i + 1]!, positions[i + 2]!];
     field.look_near(x, y, z, e);
     n.set(field.distance(x + e, y, z) - field.distance(x - e, y, z), field.distance(x, y + e, z) - field.distance(x, y - e, z), field.distance(x, y, z + e) - field.distance(x, y, z - e)).normalize();
@@ -176,12 +245,13 @@ function normals_of(field: BodyField, positions: Float32Array): Float32Array {
 }
 
 /** Weights of at most four links for each vertex: of the nearest link and of those connected to it, falling with the distance. */
-function weights_of(field: BodyField, positions: Float32Array): { links: Uint16Array; weights: Float32Array } {
+function* weights_of(field: BodyField, positions: Float32Array): Work<Pick<Details, 'links' | 'weights'>> {
   const count = positions.length / 3;
   const links = new Uint16Array(4 * count);
   const weights = new Float32Array(4 * count);
   const connected = field.links.map((a) => field.links.filter((b) => a === b || a.parent === b || b.parent === a));
   for (let i = 0; i < count; i++) {
+    if (i % vertices_at_once === 0) yield;
     const [x, y, z] = [positions[3 * i]!, positions[3 * i + 1]!, positions[3 * i + 2]!];
     let nearest = 0;
     let smallest = Infinity;

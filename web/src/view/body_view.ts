@@ -1,7 +1,7 @@
 /** Drawing of a body's smooth surface: a mesh that follows the links, and highlights single links. */
 import * as THREE from 'three';
 import type { MechanismData } from '../core/protocol';
-import { make_body_surface, max_links, type BodySurface } from './body_surface';
+import { make_body_surface, make_rough_surface, max_links, type BodySurface, type Work } from './body_surface';
 
 const surfaces = new WeakMap<MechanismData, BodySurface | null>();
 
@@ -13,6 +13,36 @@ export function body_surface(mechanism: MechanismData): BodySurface | null {
     surfaces.set(mechanism, surface);
   }
   return surface;
+}
+
+/** Makes the surfaces of bodies: first rough ones, which become the same as those of body_surface() while pictures are drawn. */
+export class GradualSurfaces {
+  private readonly made = new Map<MechanismData, BodySurface | null>();
+  private readonly work: Work<void>[] = [];
+
+  /** The surface of a mechanism; null if the mechanism is no body. */
+  of(mechanism: MechanismData): BodySurface | null {
+    let surface = this.made.get(mechanism);
+    if (surface === undefined) {
+      const rough = make_rough_surface(mechanism);
+      surface = rough?.surface ?? null;
+      if (rough) this.work.push(rough.refine);
+      this.made.set(mechanism, surface);
+    }
+    return surface;
+  }
+
+  /** Works for about `milliseconds`. @return true if a surface was finished, so that the picture changes */
+  refine(milliseconds: number): boolean {
+    const begin = performance.now();
+    let finished = false;
+    while (this.work.length > 0 && performance.now() - begin < milliseconds) {
+      if (!this.work[0]!.next().done) continue;
+      this.work.shift();
+      finished = true;
+    }
+    return finished;
+  }
 }
 
 /** Link meshes that only receive rays and determine the place of shadows, because a surface is drawn instead of them. */

@@ -91,10 +91,10 @@ export class CharacterView {
     readonly mechanism: MechanismData,
     geometries: (THREE.BufferGeometry | null)[],
     color: string,
-    /** False: the links are always drawn one by one. */
-    smooth = true,
+    /** Makes the smooth surface; null: the links are always drawn one by one. */
+    surface_of: ((mechanism: MechanismData) => BodySurface | null) | null = body_surface,
   ) {
-    const surface = smooth ? body_surface(mechanism) : null;
+    const surface = surface_of && surface_of(mechanism);
     this.skin = surface && new BodySkin(surface, color);
     this.plain = new THREE.MeshStandardMaterial({ color, roughness: 0.6, metalness: 0 });
     const tinted = (emissive: number, intensity: number): THREE.MeshStandardMaterial =>
