@@ -90,6 +90,41 @@ TEST(Arrange, JointsAreAttachedToTheAncestorThatCarriesThem) {
   EXPECT_LT(max_distance(before, odd), 1e-9);
 }
 
+TEST(Arrange, RigidJointsAtTheirParentsPlaceAreMerged) {
+  MeasuredMotion m;
+  m.rate = 30;
+  m.frames = 20;
+  const auto add = [&](const char* name, int parent, const Vec3& offset) {
+    SkeletonJoint j;
+    j.name = name;
+    j.parent = parent;
+    j.offset = offset;
+    m.skeleton.joints.push_back(std::move(j));
+  };
+  add("root", -1, {});
+  add("to_leg", 0, {});        // rigid, at the same place: merged
+  add("leg", 1, {0.1, 0, 0});  // turns
+  add("wrist", 2, {});         // turns at the same place: kept
+  add("hand", 3, {0, 0, 0.2});
+  add("offset", 0, {0, 0.1, 0});  // rigid, at another place: kept
+  add("end", 5, {0, 0.1, 0});
+  for (int f = 0; f < m.frames; ++f)
+    for (int i = 0; i < m.joint_count(); ++i) {
+      m.translations.push_back(m.skeleton.joints[static_cast<std::size_t>(i)].offset);
+      const bool turns = i == 0 || i == 2 || i == 3;
+      m.rotations.push_back(turns ? axis_angle({0, 1, 0}, 0.1 * f + i) : Quat{});
+    }
+  std::vector<MeasuredMotion> motions = {m};
+  EXPECT_EQ(merge_rigid_joints(motions), (std::vector<std::string>{"to_leg"}));
+  ASSERT_EQ(motions[0].joint_count(), 6);
+  EXPECT_EQ(motions[0].skeleton.joints[1].parent, 0);
+  EXPECT_FALSE(motions[0].skeleton.joints[1].translates);
+  std::vector<Pose> X, Y;
+  m.calc_joint_poses(13, X);
+  motions[0].calc_joint_poses(13, Y);
+  for (std::size_t k = 1; k < Y.size(); ++k) EXPECT_NEAR(norm(X[k + 1].p - Y[k].p), 0, 1e-12);
+}
+
 TEST(Arrange, WalkingInPlaceIsFoundAndGetsItsTravel) {
   MeasuredMotion walk = samples::make_human_walk();
   std::vector<std::string> report;

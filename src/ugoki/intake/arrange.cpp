@@ -418,6 +418,36 @@ void make_root(MeasuredMotion& m, int root) {
   set_world(m, world);
 }
 
+std::vector<std::string> merge_rigid_joints(std::span<MeasuredMotion> motions) {
+  constexpr double same_place = 1e-6, turned = 1e-6;  // m and rad: rounding errors of files
+  const std::size_t n = motions[0].skeleton.joints.size();
+  std::vector<std::string> names;
+  std::vector<char> keep(n, 1);
+  std::vector<int> children(n, 0);
+  for (const SkeletonJoint& j : motions[0].skeleton.joints)
+    if (j.parent >= 0) ++children[at(j.parent)];
+  for (std::size_t i = 0; i < n; ++i) {
+    const SkeletonJoint& joint = motions[0].skeleton.joints[i];
+    if (joint.parent < 0 || children[i] == 0 || norm(joint.offset) > same_place) continue;
+    bool rigid = true;
+    for (const MeasuredMotion& m : motions)
+      for (std::size_t f = 0; f < at(m.frames) && rigid; ++f)
+        rigid = norm(m.translations[f * n + i]) <= same_place && 2 * norm(m.rotations[f * n + i].vec()) <= turned;
+    if (!rigid) continue;
+    keep[i] = 0;
+    names.push_back(joint.name);
+  }
+  if (names.empty()) return names;
+  std::vector<char> translates;
+  for (std::size_t i = 0; i < n; ++i)
+    if (keep[i] != 0) translates.push_back(motions[0].skeleton.joints[i].translates ? 1 : 0);
+  for (MeasuredMotion& m : motions) {
+    keep_joints(m, keep);
+    for (std::size_t i = 0; i < translates.size(); ++i) m.skeleton.joints[i].translates = translates[i] != 0;
+  }
+  return names;
+}
+
 body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
                         bool mesh_ends) {
   const MeasuredMotion* longest = &motions[0];
@@ -517,7 +547,15 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
       strangers.push_back(s.joints[at(i)].name);
     }
   }
-  if (carriers.empty() && strangers.empty()) return character;
+  // The trunk of an animal is divided among its joints, so joints without a bone and without movement would take mass from the others.
+  const auto merged = [&] {
+    if (character.plan != body::BodyPlan::four_legs || mapping) return false;
+    const std::vector<std::string> joints = merge_rigid_joints(motions);
+    if (!joints.empty())
+      report.push_back("Joints at the place of their parent that do not turn were merged with it: " + list_of(joints) + ".");
+    return !joints.empty();
+  };
+  if (carriers.empty() && strangers.empty()) return merged() ? body::recognise_character(*longest, mapping) : character;
   const std::string root_name = s.joints[at(root)].name;
   for (MeasuredMotion& m : motions) {
     keep_joints(m, keep);
@@ -527,6 +565,7 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
     report.push_back("Joint " + list_of(carriers) + " only carries " + root_name + "; it is left out, and its movement was added to " +
                      root_name + ".");
   if (!strangers.empty()) report.push_back("Joints that are not part of the character were left out: " + list_of(strangers) + ".");
+  merged();
   return body::recognise_character(*longest, mapping);
 }
 

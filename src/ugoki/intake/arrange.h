@@ -54,6 +54,12 @@ std::vector<std::string> attach_fore_limbs_to_spine(std::span<MeasuredMotion> mo
 /// @return sentence about the cut; empty if there is no jump
 [[nodiscard]] std::string cut_markers_at_jumps(MarkerMotion& markers);
 
+/// Merges joints that have children, are at the place of their parent and do not turn relative to it in any frame, with the parent. (ASF
+/// files have such a bone for each child of a joint with several children.) World poses of the other joints do not change.
+/// @param motions all on the same skeleton
+/// @return names of the merged joints
+std::vector<std::string> merge_rigid_joints(std::span<MeasuredMotion> motions);
+
 /// Makes joint `root` the root of the motion: the chain of joints from the present root to `root` is reversed. Each reversed joint moves to
 /// the position of its former child, about which it turns. World poses of all other joints do not change, nor do joints that are not below
 /// the present root.
