@@ -75,7 +75,7 @@ Swing swing_of(const BalanceModel& model, const BalanceInput& in) {
   if (count == 0) return {};
   const Vec3 left = model.left(), ahead = cross(left, Vec3{0, 0, 1});
   const Vec3 r = model.centroid.centre - pivot / count;
-  const double x = dot(r, ahead), z = -r.z, length = std::max(0.05, std::hypot(x, z));
+  const double x = dot(r, ahead), z = -r.z, length = std::max(0.05, std::sqrt(x * x + z * z));
   Swing swing;
   swing.angle = atan2(x, z);
   swing.rate = (dot(model.centroid.velocity, ahead) * z + model.centroid.velocity.z * x) / (length * length);
