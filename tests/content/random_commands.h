@@ -18,7 +18,7 @@ class RandomCommands {
   /// A random command (JSON) for the document `s`.
   std::string next(const Scenario& s) {
     if (std::string removal = shrink(s); !removal.empty()) return removal;
-    switch (pick(39)) {
+    switch (pick(40)) {
       case 0:
         return R"({"type": "clip.add", "character": "human", "motion": ")" + std::string(pick(2) ? "n-walk" : "n-step") +
                R"(", "start": )" + number(0, 8) + "}";
@@ -40,6 +40,9 @@ class RandomCommands {
       case 11:
         return R"({"type": "event.add", "event": {"type": "push", "time": )" + number(0, 9) +
                R"(, "character": "human", "link": "leg", "force": [)" + number(-200, 200) + ", 0, 0]}}";
+      case 38:
+        return R"({"type": "event.add", "event": {"type": "pull", "time": )" + number(0, 9) +
+               R"(, "character": "human", "link": "leg", "path": [[0, 1, 2, )" + number(0, 2) + "], [" + number(-0.1, 1) + ", 1, 2, 1]]}}";
       case 12:
         if (s.events.empty()) return next(s);
         return pick(2) ? R"({"type": "event.set", "id": ")" + s.events[pick(s.events.size())].id + R"(", "event": {"time": )" +

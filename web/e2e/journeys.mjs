@@ -16,6 +16,7 @@ import { repair_journeys } from './repairs.mjs';
 import { posing_journeys } from './posing.mjs';
 import { timeline_journeys } from './timeline.mjs';
 import { look_journeys } from './looks.mjs';
+import { pull_journeys } from './pulls.mjs';
 import { request_journeys } from './requests.mjs';
 import { rule_journeys } from './rules.mjs';
 import { session_journeys } from './sessions.mjs';
@@ -465,7 +466,7 @@ export const journeys = [
   ...accessibility_journeys,
   ...repair_journeys,
   ...editor_journeys,
-  ...posing_journeys, ...timeline_journeys, ...rule_journeys, ...key_journeys, ...look_journeys,
+  ...posing_journeys, ...timeline_journeys, ...rule_journeys, ...key_journeys, ...pull_journeys, ...look_journeys,
   ...body_journeys,
   ...motion_journeys,
   ...gait_journeys,

@@ -310,7 +310,7 @@ class Work {
     ScenarioEvent event;
     if (const Json* object = f.find("event")) {
       Fields g(*object, f.path("event"), problems_);
-      g.require("type", "\"push\", \"throw\", \"grab\" or \"release\"");
+      g.require("type", "\"push\", \"pull\", \"throw\", \"grab\" or \"release\"");
       g.require("time", "the time in seconds at which it happens");
       g.require("character", "a character's id");
       read_event(g, event);

@@ -206,6 +206,8 @@ class Reader {
         event.link = find_link(*out_.mechanisms[static_cast<std::size_t>(mechanism)], e.link);
       }
       event.grip = e.grip;
+      event.point = e.point;
+      event.path = e.path;
       if (e.type == EventType::grab && !e.grip.other.empty()) {
         event.other = 0;
         while (s.characters[static_cast<std::size_t>(event.other)].id != e.grip.other) ++event.other;  // ends for the same reason

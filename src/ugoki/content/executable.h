@@ -47,11 +47,13 @@ struct ExecutableEvent {
   EventType type = EventType::push;
   double time = 0;                  ///< s, time at which the event begins
   int character = 0;                ///< index into Executable::characters
-  double duration = 0;              ///< s (push)
-  int link = 0;                     ///< index of the link (push)
+  double duration = 0;              ///< s (push, pull)
+  int link = 0;                     ///< index of the link (push, pull, grab, release)
   Vec3 force;                       ///< N, world, at the link's centre of mass (push)
   Vec3 from, velocity, spin;        ///< position (m), velocity (m/s) and angular velocity (rad/s) of the thrown root, world (throw)
   ScenarioGrip grip;                ///< (grab)
+  Vec3 point;                       ///< m, pulled point in the frame of the link (pull)
+  std::vector<PullTarget> path;     ///< (pull)
   int other = -1, other_link = -1;  ///< character and link that are gripped; -1: the world (grab)
 };
 

@@ -95,6 +95,10 @@ lsi::World make_world(const Executable& content) {
     if (e.type == EventType::push) {
       event.record.kind = EventKind::push;
       event.record.a = e.force;
+    } else if (e.type == EventType::pull) {
+      event.record.kind = EventKind::grab;
+      event.record.a = e.point;
+      for (const PullTarget& t : e.path) event.path.push_back({t.time, t.at});
     } else if (e.type == EventType::release) {
       event.record.kind = EventKind::opening;
     } else if (e.type == EventType::grab) {

@@ -255,6 +255,18 @@ class Checker {
       problems_.add(ErrorCode::structure, location + "/other_link", "The link grips itself.", "Name another link.");
   }
 
+  void check_path(const ScenarioEvent& e, const std::string& location) {
+    if (e.path.empty() || e.path.front().time != 0)
+      problems_.add(ErrorCode::structure, location, "The pull has no target at its begin.", "Give a first target with the time 0.");
+    for (std::size_t i = 0; i < e.path.size(); ++i) {
+      const std::string at = location + "/" + std::to_string(i);
+      vector_range(at, e.path[i].at, 10000, "m");
+      if (i > 0 && !(e.path[i].time > e.path[i - 1].time))
+        problems_.add(ErrorCode::structure, at, "The target is not later than the one before it.", "Sort the targets by time.");
+      range(at, e.path[i].time, 0, day, "s");
+    }
+  }
+
   void check_event(const ScenarioEvent& e, const std::string& location) {
     check_own_id(location + "/id", e.id);
     range(location + "/time", e.time, 0, day, "s");
@@ -272,6 +284,13 @@ class Checker {
       else if (mechanism && !has(mechanism->links) && !has(mechanism->labels))
         problems_.add(ErrorCode::unknown, location + "/link", "Mechanism '" + mechanism->name + "' has no link '" + e.link + "'.",
                       "Name one of its links.");
+      return;
+    }
+    if (e.type == EventType::pull) {
+      range(location + "/duration", e.duration, 0.0005, 3600, "s");
+      vector_range(location + "/point", e.point, 100, "m");
+      check_link(location + "/link", e.link, mechanism);
+      check_path(e, location + "/path");
       return;
     }
     if (e.type == EventType::grab || e.type == EventType::release) {
@@ -394,7 +413,7 @@ Result<Scenario> read_scenario(std::string_view text, std::string_view name) {
     s.characters.push_back(std::move(c));
   });
   read_list(f, "events", [&](Fields& g) {
-    g.require("type", "\"push\", \"throw\", \"grab\" or \"release\"");
+    g.require("type", "\"push\", \"pull\", \"throw\", \"grab\" or \"release\"");
     read_event(g, s.events.emplace_back());
   });
   read_list(f, "markers", [&](Fields& g) { read_marker(g, s.markers.emplace_back()); });

@@ -96,7 +96,7 @@ struct ScenarioCharacter {
   friend bool operator==(const ScenarioCharacter&, const ScenarioCharacter&) = default;
 };
 
-enum class EventType { push, throw_, grab, release };
+enum class EventType { push, throw_, grab, release, pull };
 [[nodiscard]] std::string_view name_of(EventType type);
 
 /// What a link grips, and how.
@@ -112,16 +112,25 @@ struct ScenarioGrip {
   friend bool operator==(const ScenarioGrip&, const ScenarioGrip&) = default;
 };
 
+/// Target of a pull from a time on.
+struct PullTarget {
+  double time = 0;  ///< s since the begin of the pull
+  Vec3 at;          ///< m, world
+  friend bool operator==(const PullTarget&, const PullTarget&) = default;
+};
+
 struct ScenarioEvent {
   std::string id;
   EventType type = EventType::push;
-  double time = 0;            ///< s, time at which the event begins
-  std::string character;      ///< id of the character on which it acts
-  double duration = 0.2;      ///< s (push)
-  std::string link;           ///< name or label of the link (push)
-  Vec3 force;                 ///< N, world (push)
-  Vec3 from, velocity, spin;  ///< position (m), velocity (m/s) and angular velocity (rad/s) of the thrown root, world (throw)
-  ScenarioGrip grip;          ///< (grab)
+  double time = 0;                    ///< s, time at which the event begins
+  std::string character;              ///< id of the character on which it acts
+  double duration = 0.2;              ///< s (push, pull)
+  std::string link;                   ///< name or label of the link (push, pull, grab, release)
+  Vec3 force;                         ///< N, world (push)
+  Vec3 from, velocity, spin;          ///< position (m), velocity (m/s) and angular velocity (rad/s) of the thrown root, world (throw)
+  ScenarioGrip grip;                  ///< (grab)
+  Vec3 point;                         ///< m, pulled point in the frame of the link (pull)
+  std::vector<PullTarget> path = {};  ///< by rising time; each target holds until the next one (pull)
   friend bool operator==(const ScenarioEvent&, const ScenarioEvent&) = default;
 };
 

@@ -9,6 +9,8 @@
 namespace ugoki::content {
 namespace {
 
+constexpr std::size_t max_pull_targets = 100'000;  // a mouse sends up to 1000 positions a second
+
 /// Calls read(fields) with the fields of the object `key`, if it is present.
 template <class Read>
 void read_object(Fields& parent, std::string_view key, Read read) {
@@ -47,6 +49,7 @@ std::string_view name_of(EventType type) {
     case EventType::throw_: return "throw";
     case EventType::grab: return "grab";
     case EventType::release: return "release";
+    case EventType::pull: return "pull";
   }
   return "push";
 }
@@ -151,6 +154,25 @@ void read_grip(Fields& f, ScenarioGrip& out) {
   f.number("reach", out.reach);
 }
 
+/// Reads the targets of a pull, each a list [time, x, y, z].
+void read_path(Fields& f, std::vector<PullTarget>& out) {
+  const Json* list = f.list("path", max_pull_targets, "targets");
+  if (!list) return;
+  out.clear();
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    std::vector<double> x(4);
+    const std::string at = f.path("path") + "/" + std::to_string(i);
+    const Json& target = (*list)[i];
+    if (!target.is_array() || target.size() != x.size()) {
+      f.report(ErrorCode::syntax, at, "The target is not a list of four numbers.", "Give [time in s, x, y, z in m].");
+      continue;
+    }
+    if (!f.numbers(target, at, x)) continue;
+    for (double& value : x) value = value == 0 ? 0 : value;  // negative zero becomes zero, so that equal documents have equal text
+    out.push_back({x[0], {x[1], x[2], x[3]}});
+  }
+}
+
 }  // namespace
 
 void read_event(Fields& f, ScenarioEvent& out) {
@@ -158,20 +180,25 @@ void read_event(Fields& f, ScenarioEvent& out) {
   f.text("id", out.id);
   f.text("type", type);
   bool known = false;
-  for (const EventType t : {EventType::push, EventType::throw_, EventType::grab, EventType::release}) {
+  for (const EventType t : {EventType::push, EventType::throw_, EventType::grab, EventType::release, EventType::pull}) {
     if (type != name_of(t)) continue;
     out.type = t;
     known = true;
   }
   if (!known)
     f.report(ErrorCode::unsupported, f.path("type"), "There is no event of type '" + type + "'.",
-             "Use \"push\", \"throw\", \"grab\" or \"release\".");
+             "Use \"push\", \"pull\", \"throw\", \"grab\" or \"release\".");
   f.number("time", out.time);
   f.text("character", out.character);
   if (out.type == EventType::push) {
     f.number("duration", out.duration);
     f.text("link", out.link);
     f.vec3("force", out.force);
+  } else if (out.type == EventType::pull) {
+    f.number("duration", out.duration);
+    f.text("link", out.link);
+    f.vec3("point", out.point);
+    read_path(f, out.path);
   } else if (out.type == EventType::grab || out.type == EventType::release) {
     f.text("link", out.link);
     if (out.type == EventType::grab) read_grip(f, out.grip);
@@ -277,6 +304,14 @@ Json to_json(const ScenarioEvent& e) {
     json["character"] = e.character;
     json["link"] = e.link;
     json["force"] = to_json(e.force);
+  } else if (e.type == EventType::pull) {
+    json["duration"] = e.duration;
+    json["character"] = e.character;
+    json["link"] = e.link;
+    json["point"] = to_json(e.point);
+    Json path = Json::array();
+    for (const PullTarget& t : e.path) path.push_back({t.time, t.at.x, t.at.y, t.at.z});
+    json["path"] = std::move(path);
   } else if (e.type == EventType::grab || e.type == EventType::release) {
     json["character"] = e.character;
     json["link"] = e.link;

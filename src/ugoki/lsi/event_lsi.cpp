@@ -34,6 +34,7 @@ struct Schedule {
   struct Entry {
     std::uint64_t first, end;
     EventRecord record;
+    std::vector<std::pair<std::uint64_t, Vec3>> targets;  ///< ticks from which the targets of a pull have an effect
   };
   std::vector<Entry> entries;
 };
@@ -48,7 +49,9 @@ void* make(Setup& s) {
       first = std::max<std::uint64_t>(first, 1) - 1;
       count = 1;
     }
-    schedule->entries.push_back({first, first + count, e.record});
+    Schedule::Entry entry{first, first + count, e.record, {}};
+    for (const auto& [time, target] : e.path) entry.targets.emplace_back(first + first_tick(time, s.dt()), target);
+    schedule->entries.push_back(std::move(entry));
   }
   return schedule;
 }
@@ -99,13 +102,22 @@ void add_live_events(const Call* call, Lasting& next) {
   }
 }
 
+/// The record of an event at a tick: a pull gets the target of this tick.
+EventRecord record_at(const Schedule::Entry& e, std::uint64_t tick) {
+  EventRecord record = e.record;
+  const auto next =
+      std::upper_bound(e.targets.begin(), e.targets.end(), tick, [](std::uint64_t t, const auto& target) { return t < target.first; });
+  if (next != e.targets.begin()) record.b = std::prev(next)->second;
+  return record;
+}
+
 std::int32_t step(const Call* call) {
   auto& state = *static_cast<EventState*>(call->state);
   const std::uint64_t index = call->tick->index;
   Output out(call);
   bool fits = true;
   for (const Schedule::Entry& e : object_of<Schedule>(call).entries)
-    if (index >= e.first && index < e.end) fits &= out.add(e.record);
+    if (index >= e.first && index < e.end) fits &= out.add(record_at(e, index));
   Lasting& next = state.next = state.now;
   add_live_events(call, next);
   for (const EventRecord& e : records<EventRecord>(call->in[0]))
@@ -128,7 +140,7 @@ std::int32_t step(const Call* call) {
 void add_event(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "event";
-  c.doc = "The events of this tick: pushes and throws of the scenario, and the user's pushes, pulls and throws.";
+  c.doc = "The events of this tick: pushes, pulls and throws of the scenario, and the user's pushes, pulls and throws.";
   c.inputs = {input_pin("live", PinTypeId::event, "", "Events of the user that arrived before this tick.")};
   c.inputs[0].required = false;
   c.outputs = {output_pin("events", PinTypeId::event, "", "All events that act during this tick.")};

@@ -51,9 +51,10 @@ struct Character {
 
 /// An event of the scenario.
 struct ScheduledEvent {
-  EventRecord record;   ///< record of kind push or throwing
-  double time = 0;      ///< s, time at which the event begins
-  double duration = 0;  ///< s (push)
+  EventRecord record;                              ///< record of kind push, grab, throwing, gripping or opening
+  double time = 0;                                 ///< s, time at which the event begins
+  double duration = 0;                             ///< s (push, grab)
+  std::vector<std::pair<double, Vec3>> path = {};  ///< times since the begin, s, and targets of a grab, m; each holds until the next one
 };
 
 /// All characters and events of a piece of content. Provides itself and its characters as resources.

@@ -67,6 +67,8 @@ class Interpreter {
   /// Moves the target of the current grab. @param target [m] in the world frame
   [[nodiscard]] Result<void> drag(const Vec3& target);
   [[nodiscard]] Result<void> release();
+  /// Removes the pull that began at `time` [s] from the recorded inputs, because the scenario now contains it as an event.
+  [[nodiscard]] Result<void> forget_pull(double time);
   /// Applies a constant force [N], world frame, at a link's centre of mass for `duration` [s]. @param link as for grab()
   [[nodiscard]] Result<void> push(std::string_view character, std::string_view link, const Vec3& force, double duration);
   /// Changes the state of keyboard, mouse and gamepads. The state is kept in every mode and applied to steps that are computed while
@@ -111,6 +113,8 @@ class Interpreter {
   [[nodiscard]] Result<LiveInput> link_input(std::string_view character, std::string_view link) const;
   [[nodiscard]] Result<void> live_input(LiveInput input);
   [[nodiscard]] Result<void> record_held_devices();
+  [[nodiscard]] std::vector<std::size_t> pull_inputs(std::optional<std::int64_t> step) const;
+  void report_pull(const std::vector<std::size_t>& indices);
   void apply(const LiveInput& input);
   void apply_due_inputs();
   [[nodiscard]] double realtime_factor() const;

@@ -134,6 +134,7 @@ Result<void> serve(Interpreter& interpreter, const Json& request, const std::vec
   }
   if (op == "drag") return interpreter.drag(vec3_of(request, "target"));
   if (op == "release") return interpreter.release();
+  if (op == "forget_pull") return interpreter.forget_pull(number_of(request, "time"));
   if (op == "input") {
     const Result<circuit::DeviceChange> change = circuit::read_device_change(request.dump());
     return change ? interpreter.input(*change) : fail(change.error());

@@ -2,12 +2,16 @@
 // recorded with its step and applied again at this step when the recording is recomputed.
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "ugoki/base/number.h"
 #include "ugoki/studio/interpreter.h"
 
 namespace ugoki::studio {
 namespace {
+
+using Json = nlohmann::json;
 
 bool finite(const Vec3& v) { return is_finite(v) && norm(v) < 1e9; }
 
@@ -77,9 +81,74 @@ Result<void> Interpreter::drag(const Vec3& target) {
 Result<void> Interpreter::release() {
   if (Result<void> r = require_content(); !r) return r;
   if (mode_ != PlayMode::simulate) return {};
+  const std::vector<std::size_t> pull = pull_inputs(std::nullopt);
   LiveInput input;
   input.type = LiveInput::Type::release;
-  return live_input(input);
+  if (Result<void> r = live_input(input); !r || pull.empty()) return r;
+  report_pull(pull);
+  return {};
+}
+
+/// Indices of the recorded inputs of one pull, from its grab to its release. @param step of the grab; none: the pull that lasts
+std::vector<std::size_t> Interpreter::pull_inputs(std::optional<std::int64_t> step) const {
+  std::vector<std::size_t> found;
+  const std::vector<LiveInput>& inputs = recording_->inputs();
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const LiveInput& input = inputs[i];
+    if (input.type == LiveInput::Type::grab) {
+      if (step && !found.empty()) return found;
+      found.clear();
+      if (!step || input.step == *step) found.push_back(i);
+    } else if (input.type == LiveInput::Type::drag && !found.empty()) {
+      found.push_back(i);
+    } else if (input.type == LiveInput::Type::release && !found.empty()) {
+      if (step) {
+        found.push_back(i);
+        return found;
+      }
+      found.clear();
+    }
+  }
+  return found;
+}
+
+/// Sends the pull that has just ended, in the form of an event of the scenario.
+void Interpreter::report_pull(const std::vector<std::size_t>& indices) {
+  const std::vector<LiveInput>& inputs = recording_->inputs();
+  const LiveInput& grab = inputs[indices.front()];
+  const std::int64_t end = simulation_->step_count();
+  if (end <= grab.step) return;  // a click
+  Json path = Json::array();
+  for (const std::size_t i : indices) {
+    const LiveInput& input = inputs[i];
+    if (input.step >= end) continue;
+    const Vec3& target = input.type == LiveInput::Type::grab ? input.b : input.a;
+    Json entry = {time_of(input.step - grab.step), target.x, target.y, target.z};
+    if (!path.empty() && path.back()[0] == entry[0])
+      path.back() = std::move(entry);  // of several positions before the same step, the last one acts
+    else
+      path.push_back(std::move(entry));
+  }
+  sink_.message(Json{{"event", "pulled"},
+                     {"character", simulation_->cast()[static_cast<std::size_t>(grab.character)].id},
+                     {"link", grab.link},
+                     {"point", {grab.a.x, grab.a.y, grab.a.z}},
+                     {"time", time_of(grab.step)},
+                     {"duration", time_of(end - grab.step)},
+                     {"path", std::move(path)}}
+                    .dump());
+}
+
+Result<void> Interpreter::forget_pull(double time) {
+  if (Result<void> r = require_content(); !r) return r;
+  const std::vector<std::size_t> indices = pull_inputs(step_at(time));
+  if (indices.empty())
+    return fail(ErrorCode::unknown, "time", "No pull of the recorded simulation begins at this time.",
+                "Give the time of the event `pulled`.");
+  const auto applied = static_cast<std::size_t>(std::ranges::count_if(indices, [&](std::size_t i) { return i < next_input_; }));
+  recording_->remove_inputs(indices);
+  next_input_ -= applied;
+  return {};
 }
 
 Result<void> Interpreter::input(const circuit::DeviceChange& change) {

@@ -59,6 +59,10 @@ const Recording::Checkpoint& Recording::checkpoint_before(std::int64_t step) con
   return *(after - 1);
 }
 
+void Recording::remove_inputs(const std::vector<std::size_t>& indices) {
+  for (auto i = indices.rbegin(); i != indices.rend(); ++i) inputs_.erase(inputs_.begin() + static_cast<std::ptrdiff_t>(*i));
+}
+
 std::size_t Recording::first_input(std::int64_t step) const {
   return static_cast<std::size_t>(std::ranges::lower_bound(inputs_, step, {}, &LiveInput::step) - inputs_.begin());
 }

@@ -73,6 +73,8 @@ class Recording {
 
   void add_input(const LiveInput& input) { inputs_.push_back(input); }
   [[nodiscard]] const std::vector<LiveInput>& inputs() const { return inputs_; }
+  /// Removes inputs. @param indices in ascending order
+  void remove_inputs(const std::vector<std::size_t>& indices);
   /// Index of the first recorded input at or after `step`.
   [[nodiscard]] std::size_t first_input(std::int64_t step) const;
 

@@ -296,6 +296,8 @@ Result<void> Session::check_transport(const Request& request) const {
       return Request::out_of_range("time", 0, duration, "The scenario's duration is " + to_text(duration) + " s.");
   } else if (op == "drag") {
     if (!request.has_vector("target")) return Request::invalid_field("target", "three numbers");
+  } else if (op == "forget_pull") {
+    if (!request.has_number("time")) return Request::invalid_field("time", "the time of a pull in seconds");
   } else if (op == "grab" || op == "push") {
     if (!field("character").is_string()) return Request::invalid_field("character", "a character's id");
     if (!field("link").is_number_integer() && !field("link").is_string()) return Request::invalid_field("link", "a link's index or name");

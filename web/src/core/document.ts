@@ -77,7 +77,7 @@ export interface ScenarioEvent {
   type: string;
   /** Time of the event, s. */
   time: number;
-  /** Duration of a push, s. */
+  /** Duration of a push or a pull, s. */
   duration?: number;
   character?: string;
   link?: string;
@@ -89,7 +89,9 @@ export interface ScenarioEvent {
   velocity?: Vec3;
   /** Angular velocity of a thrown body, world frame, rad/s. */
   spin?: Vec3;
-  /** Gripping point of a grab in the frame of the link, m. */
+  /** Targets of a pull: time since its begin (s), x, y, z (m). */
+  path?: [number, number, number, number][];
+  /** Gripping or pulled point of a grab or a pull in the frame of the link, m. */
   point?: Vec3;
   /** Character and link that a grab grips; both empty: the world. */
   other?: string;

@@ -195,6 +195,7 @@ export type ServiceEvent =
   | { event: 'circuit'; problems: Problem[] }
   | ({ event: 'values' } & ValuesEvent)
   | ({ event: 'recorded' } & RecordedEvent)
+  | ({ event: 'pulled' } & PulledEvent)
   | ({ event: 'stopped' } & StoppedEvent);
 
 export type Request =
@@ -214,6 +215,7 @@ export type Request =
   | { op: 'seek'; time: number }
   | { op: 'grab'; character: string; link: number; point: Vec3; target: Vec3 }
   | { op: 'drag'; target: Vec3 }
+  | { op: 'forget_pull'; time: number }
   | { op: 'compare'; character: string; clip: string; before: object }
   | { op: 'watch'; pins: string[]; probes: string[]; timing: boolean; closest: boolean }
   | ({ op: 'input' } & InputMessage)
@@ -301,6 +303,20 @@ export interface PoseReply {
 }
 
 /** Joints of a character in the recorded simulation. */
+/** A pull of the user that has ended. */
+export interface PulledEvent {
+  character: string;
+  /** Index of the link. */
+  link: number;
+  /** Pulled point in the frame of the link, m. */
+  point: Vec3;
+  /** Begin and duration, s. */
+  time: number;
+  duration: number;
+  /** Targets: time since the begin (s), x, y, z (m). Each holds until the next one. */
+  path: [number, number, number, number][];
+}
+
 export interface RecordedEvent {
   character: string;
   /** Distance of the samples, s; the first is at time 0. */

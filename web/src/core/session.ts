@@ -24,6 +24,7 @@ import {
   type Vec3,
 } from './protocol';
 import { Watches } from './watches';
+import { is_pull } from './pulls';
 import { initial_state, read_choices, valid_selection, type Selection, type StudioState, type Toast } from './state';
 
 const log_capacity = 500; // maximum number of lines in the log; older lines are dropped
@@ -542,7 +543,7 @@ export class Session {
         break;
       case 'opened':
         this.frames.reset();
-        this.set({ opened: this.state.opened + 1, summary: initial_state.summary, measures: initial_state.measures, recorded: null, selection: { kind: 'none' }, dialog: 'none' });
+        this.set({ opened: this.state.opened + 1, summary: initial_state.summary, measures: initial_state.measures, recorded: null, pulled: null, selection: { kind: 'none' }, dialog: 'none' });
         this.on_opened();
         void this.request({ op: 'hello' }).then((hello) => hello && this.connected(hello as unknown as HelloReply));
         break;
@@ -566,6 +567,9 @@ export class Session {
       }
       case 'circuit':
         this.set({ circuit_problems: event.problems });
+        break;
+      case 'pulled':
+        this.set({ pulled: is_pull(event) ? event : null });
         break;
       case 'recorded':
         this.set({ recorded: event });

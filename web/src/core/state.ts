@@ -7,7 +7,7 @@ import type { Breakpoint, BreakpointHit } from './circuit/breakpoints';
 import { ClassList } from './circuit/classes';
 import type { Circuit } from './circuit/form';
 import { MeasureHistory } from './measures';
-import type { CharacterInfo, LogLine, MechanismData, Problem, ProjectInfo, RecentProject, RecordedEvent, Summary, Transport, UsedLibrary } from './protocol';
+import type { CharacterInfo, LogLine, MechanismData, Problem, ProjectInfo, PulledEvent, RecentProject, RecordedEvent, Summary, Transport, UsedLibrary } from './protocol';
 
 export type Selection =
   | { kind: 'none' }
@@ -99,6 +99,8 @@ export interface StudioState {
   library_revision: number;
   mechanisms: Record<string, MechanismData>;
   selection: Selection;
+  /** The last pull of the user, which can become an event; null: none. */
+  pulled: PulledEvent | null;
   view: ViewOptions;
   keymap: KeymapName;
   /** Keys that the user has changed. */
@@ -154,6 +156,7 @@ export const initial_state: StudioState = {
   library_revision: 0,
   mechanisms: {},
   selection: { kind: 'none' },
+  pulled: null,
   view: { perspective: true, ghosts: false, trail: false, contacts: false, closest: false, shapes: false, follow: false, assist: true, safe: true, draft: false },
   keymap: 'industry',
   key_edits: no_key_edits,

@@ -231,6 +231,14 @@ function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocume
           <VectorFields label="Force" unit="N" step={1} value={event.force ?? [0, 0, 0]} on_commit={(force) => send(set({ force }))} />
         </>
       )}
+      {event.type === 'pull' && (
+        <>
+          <NumberField label="Duration" unit="s" value={event.duration ?? 0} step={0.01} min={0.001} title="Time for which the link is pulled" on_commit={(duration) => send(set({ duration }))} />
+          {mechanism && <ChoiceField label="Link" value={event.link ?? ''} choices={link_choices(mechanism)} title="The pulled link" on_commit={(link) => send(set({ link }))} />}
+          <VectorFields label="Point" unit="m" step={0.01} value={event.point ?? [0, 0, 0]} on_commit={(point) => send(set({ point }))} />
+          <p className="facts">{describe_pull(event)}</p>
+        </>
+      )}
       {event.type === 'throw' && (
         <>
           <VectorFields label="From" unit="m" step={0.01} value={event.from ?? [0, 0, 0]} on_commit={(from) => send(set({ from }))} />
@@ -250,6 +258,13 @@ function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocume
       </div>
     </>
   );
+}
+
+/** How far and how long the target of a pull moves. */
+function describe_pull(event: ScenarioEvent): string {
+  const path = event.path ?? [];
+  const length = path.slice(1).reduce((sum, p, i) => sum + Math.hypot(p[1] - path[i]![1], p[2] - path[i]![2], p[3] - path[i]![3]), 0);
+  return `The target moves ${length.toFixed(2)} m, as you moved it in the simulation (${path.length} ${path.length === 1 ? 'position' : 'positions'}).`;
 }
 
 const link_choices = (mechanism: MechanismData): [string, string][] => mechanism.links.map((l) => [l.name, format_label(l.label || l.name)]);

@@ -14,6 +14,7 @@ import { FilmFrame, ThroughChoice } from './film/ThroughBar';
 import { CorrectionCard } from './motion/CorrectionCard';
 import { PathOverlay } from './motion/PathOverlay';
 import { PlayControlsBar } from './PlayControlsBar';
+import { PullBar } from './PullBar';
 import { PoseHandles, PoseLabels, PoseTools, ToolChoice } from './posing/PoseOverlay';
 import { VariableBoard } from './rules/Variables';
 import { ViewCube } from './ViewCube';
@@ -130,6 +131,7 @@ export function ViewportPanel(): ReactElement {
       <AssistCard />
       {running && !controls && <p className="viewport-hint">Drag a character to pull it</p>}
       <CorrectionCard />
+      <PullBar />
       <PlayControlsBar host={host} />
     </div>
   );
