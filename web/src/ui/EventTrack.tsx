@@ -9,6 +9,8 @@ import { session, useStudio } from './app';
 import { drag_ends, drag_together, press_item, select_focused, start_drag } from './track_drag';
 
 const min_text_px = 90; // px: a pill of this width or more contains its text; a narrower pill has the text to its right
+const text_gap_px = 10; // px between the end of a pill, its text and the next pill
+const min_room_px = 24; // px: a shorter text beside a pill is not readable
 const min_pill_px = 8; // px: minimum width of an event's pill, so that events without duration can be dragged
 
 /** Label of a link of a character, or its name. */
@@ -41,7 +43,7 @@ export function EventTrack({ doc, view, on_guide }: { doc: ScenarioDocument; vie
           <div className="lane">
             <div className="items" role="list" aria-label="Holds">
               {holds.map((event) => (
-                <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={is_selected(selection, { kind: 'event', event: event.id })} row={hold_row(doc, event)} />
+                <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={is_selected(selection, { kind: 'event', event: event.id })} next={next_time(holds.filter((e) => hold_row(doc, e) === hold_row(doc, event)), event)} row={hold_row(doc, event)} />
               ))}
             </div>
           </div>
@@ -57,8 +59,12 @@ const gripping = (doc: ScenarioDocument): string[] => [...new Set(doc.events.fil
 const hold_row = (doc: ScenarioDocument, event: ScenarioEvent): number => gripping(doc).indexOf(`${event.character} ${event.link}`);
 const hold_rows = (doc: ScenarioDocument, holds: readonly ScenarioEvent[]): number => Math.max(1, ...holds.map((e) => hold_row(doc, e) + 1));
 
+/** Time of the first event of `row` after `event`, s; infinite if it is the last one. */
+const next_time = (row: readonly ScenarioEvent[], event: ScenarioEvent): number => Math.min(...row.map((e) => (e.time > event.time ? e.time : Infinity)));
+
 function EventRow({ doc, view, on_guide }: { doc: ScenarioDocument; view: TimeView; on_guide: (time: number | null) => void }): ReactElement {
   const selection = useStudio((s) => s.selection);
+  const events = doc.events.filter((event) => !is_grip(event));
   return (
     <div className="track events">
       <div className="track-name plain">
@@ -67,8 +73,8 @@ function EventRow({ doc, view, on_guide }: { doc: ScenarioDocument; view: TimeVi
       </div>
       <div className="lane">
         <div className="items" role="list" aria-label="Events">
-          {doc.events.filter((event) => !is_grip(event)).map((event) => (
-            <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={is_selected(selection, { kind: 'event', event: event.id })} />
+          {events.map((event) => (
+            <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={is_selected(selection, { kind: 'event', event: event.id })} next={next_time(events, event)} />
           ))}
         </div>
         {doc.events.length === 0 && <span className="hint">Shift P adds a push at the playhead, Shift G a grab of the selected link</span>}
@@ -77,9 +83,12 @@ function EventRow({ doc, view, on_guide }: { doc: ScenarioDocument; view: TimeVi
   );
 }
 
-function EventPill({ event, doc, view, selected, on_guide, row }: { event: ScenarioEvent; doc: ScenarioDocument; view: TimeView; selected: boolean; on_guide: (time: number | null) => void; row?: number }): ReactElement {
+function EventPill({ event, doc, view, selected, on_guide, next, row }: { event: ScenarioEvent; doc: ScenarioDocument; view: TimeView; selected: boolean; on_guide: (time: number | null) => void; next: number; row?: number }): ReactElement {
   const text = describe_event(event, doc);
   const duration = event.type === 'grab' ? grip_end(doc, event) - event.time : (event.duration ?? 0);
+  const width = Math.max(min_pill_px, duration * view.scale);
+  const short = duration * view.scale < min_text_px;
+  const room = (next - event.time) * view.scale - width - text_gap_px; // px for a text beside its pill
   const down = (pointer: React.PointerEvent<HTMLElement>): void => {
     if (pointer.button !== 0) return;
     pointer.stopPropagation();
@@ -109,14 +118,14 @@ function EventPill({ event, doc, view, selected, on_guide, row }: { event: Scena
       role="listitem"
       tabIndex={0}
       data-event={event.id}
-      className={`pill ${event.type}${selected ? ' selected' : ''}${duration * view.scale < min_text_px ? ' short' : ''}`}
+      className={`pill ${event.type}${selected ? ' selected' : ''}${short ? ' short' : ''}`}
       aria-label={`${text}, at ${format_time(event.time)}`}
       title={`${text}\nat ${format_number(event.time)} s`}
-      style={{ left: time_to_x(view, event.time), width: Math.max(min_pill_px, duration * view.scale), ...(row === undefined ? {} : { ['--row' as string]: row }) }}
+      style={{ left: time_to_x(view, event.time), width, ...(row === undefined ? {} : { ['--row' as string]: row }) }}
       onPointerDown={down}
       onFocus={(e) => select_focused(e, { kind: 'event', event: event.id })}
     >
-      <span className="pill-text">{text}</span>
+      {(!short || room > min_room_px) && <span className="pill-text" style={short && Number.isFinite(room) ? { maxWidth: room, overflow: 'hidden' } : undefined}>{text}</span>}
     </div>
   );
 }
