@@ -18,7 +18,7 @@ class RandomCommands {
   /// A random command (JSON) for the document `s`.
   std::string next(const Scenario& s) {
     if (std::string removal = shrink(s); !removal.empty()) return removal;
-    switch (pick(40)) {
+    switch (pick(42)) {
       case 0:
         return R"({"type": "clip.add", "character": "human", "motion": ")" + std::string(pick(2) ? "n-walk" : "n-step") +
                R"(", "start": )" + number(0, 8) + "}";
@@ -81,6 +81,9 @@ class RandomCommands {
         return layer_command(s, "layer.set",
                              R"(, "value": {"on": )" + std::string(pick(2) ? "true" : "false") + R"(, "weight": )" + number(0, 1) +
                                  R"(, "ease_out": )" + number(0, 2) + "}");
+      case 40:
+      case 41:
+        return layer_command(s, "layer.move", R"(, "at": )" + std::to_string(pick(3)));  // most layers have no other one in their clip
       case 24:
         return pick(3) == 0 ? layer_command(s, "layer.remove", "")
                             : layer_command(s, "layer.move", R"(, "at": )" + std::to_string(pick(3)));

@@ -1,76 +1,10 @@
-#include "ugoki/studio/interpreter.h"
-
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
-#include "fake_simulation.h"
-#include "ugoki/content/display_frame.h"
+#include "interpreter_fixture.h"
 
 namespace ugoki::studio {
 namespace {
-
-using nlohmann::json;
-using test::Frame;
-using test::parse_frame;
-
-std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text.data(), text.size())); }
-
-class Collector final : public InterpreterSink {
- public:
-  void frame(std::span<const std::byte> bytes) override {
-    frames.push_back(parse_frame(bytes));
-    EXPECT_TRUE(frames.back().good);
-  }
-  void message(std::string text) override { messages.push_back(json::parse(text)); }
-
-  [[nodiscard]] int count(const std::string& event) const {
-    return static_cast<int>(std::ranges::count_if(messages, [&](const json& m) { return m["event"] == event; }));
-  }
-  [[nodiscard]] json last(const std::string& event) const {
-    for (auto it = messages.rbegin(); it != messages.rend(); ++it) {
-      if ((*it)["event"] == event) return *it;
-    }
-    return {};
-  }
-
-  std::vector<Frame> frames;
-  std::vector<json> messages;
-};
-
-/// An interpreter with a simulated clock that only the test advances.
-class InterpreterTest : public testing::Test {
- protected:
-  static std::string content(const std::string& more = "") {
-    return R"({"step":0.002,"duration":4,"rate":60,"cast":[{"id":"a","links":3},{"id":"b","links":1}])" + more + "}";
-  }
-  void open(const std::string& text) {
-    const Result<void> r = interpreter.load(bytes_of(text));
-    ASSERT_TRUE(r) << r.error().text();
-  }
-  void open() { open(content()); }
-  /// Advances the clock by `seconds` in small steps and does the due work.
-  void pass(double seconds) {
-    const double end = now + seconds;
-    while (now < end) {
-      const double wait = interpreter.work();
-      now += std::min(std::max(wait, 1e-5), end - now + 1e-9);
-    }
-    settle();
-  }
-  /// Does the work that is due without advancing the clock.
-  void settle() {
-    for (int i = 0; i < 100000 && interpreter.work() == 0; ++i) {
-    }
-  }
-  const Frame& shown() { return sink.frames.back(); }
-
-  double now = 100;
-  Collector sink;
-  Interpreter interpreter{test::open_fake_simulation, sink, [this] { return now; }};
-};
 
 TEST_F(InterpreterTest, WithoutContentRequestsAreRejectedWithRemedy) {
   for (const Result<void>& r : {interpreter.play(std::nullopt), interpreter.pause(), interpreter.seek(1), interpreter.restart(),
@@ -584,49 +518,6 @@ TEST_F(InterpreterTest, SlowComputerSlowsPlayingWithoutStopping) {
   }
   EXPECT_TRUE(interpreter.playing());
   EXPECT_LT(interpreter.simulated(), 4);
-}
-
-TEST_F(InterpreterTest, AReleasedPullIsReportedAndCanBeForgotten) {
-  open();
-  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
-  ASSERT_TRUE(interpreter.play(std::nullopt));
-  pass(0.5);
-  ASSERT_TRUE(interpreter.grab("a", "1", {0, 0, 0.1}, {1, 0, 1}));
-  pass(0.1);
-  ASSERT_TRUE(interpreter.drag({1.5, 0, 1}));
-  ASSERT_TRUE(interpreter.drag({2, 0, 1}));
-  pass(0.2);
-  EXPECT_EQ(sink.count("pulled"), 0);
-  ASSERT_TRUE(interpreter.release());
-  ASSERT_TRUE(interpreter.release());
-  ASSERT_EQ(sink.count("pulled"), 1) << "a second release ends nothing";
-  const json pulled = sink.last("pulled");
-  EXPECT_EQ(pulled["character"], "a");
-  EXPECT_EQ(pulled["link"], 1);
-  EXPECT_EQ(pulled["point"], json({0, 0, 0.1}));
-  const double begin = pulled["time"];
-  EXPECT_NEAR(begin, 0.5, 0.05);
-  EXPECT_NEAR(pulled["duration"].get<double>(), 0.3, 0.05);
-  ASSERT_EQ(pulled["path"].size(), 2u) << "of two positions before the same step, the last one acts: " << pulled;
-  EXPECT_EQ(pulled["path"][0], json({0.0, 1, 0, 1}));
-  EXPECT_EQ(pulled["path"][1][1], 2);
-  pass(0.2);
-
-  // the content is loaded again: the pull is repeated, and after forget_pull() it is not
-  ASSERT_TRUE(interpreter.pause());
-  const auto x_after_reload = [&] {
-    open();
-    pass(1);
-    EXPECT_TRUE(interpreter.seek(0.9));
-    pass(1);
-    return sink.frames.back().characters[0].links[0][0];
-  };
-  const float pulled_x = x_after_reload();
-  EXPECT_FALSE(interpreter.forget_pull(begin + 0.1)) << "no pull begins there";
-  ASSERT_TRUE(interpreter.forget_pull(begin));
-  EXPECT_FALSE(interpreter.forget_pull(begin)) << "it is gone";
-  const float free_x = x_after_reload();
-  EXPECT_GT(std::fabs(pulled_x - free_x), 0.01f);
 }
 
 }  // namespace
