@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "signals.h"
 #include "small_world.h"
 #include "ugoki/lsi/track_sampler.h"
 
@@ -55,21 +56,6 @@ std::unique_ptr<World> make_world() {
   return std::make_unique<World>(std::move(specs), std::vector<ScheduledEvent>{}, Vec3{0, 0, -9.81}, collision::Ground{});
 }
 
-circuit::Interpreter build(const World& world, const std::string& text, double dt) {
-  const auto c = circuit::read_circuit(text);
-  EXPECT_TRUE(c) << (c ? "" : c.error().text());
-  auto i = circuit::Interpreter::build(*c, standard_library(), &world, {.dt = dt, .check_finite = true});
-  EXPECT_TRUE(i) << (i ? "" : i.error().text());
-  return std::move(*i);
-}
-
-void set(circuit::Interpreter& i, const char* input, double value) {
-  const auto bytes = i.find_circuit_input(input);
-  ASSERT_EQ(bytes.size(), sizeof value);
-  std::memcpy(bytes.data(), &value, sizeof value);
-}
-double get(const circuit::Interpreter& i, const char* pin) { return i.find_output(pin)->numbers()[0]; }
-
 constexpr const char* choice_circuit = R"({"version": 2, "name": "t", "inputs": [{"name": "choice", "type": "scalar", "to": "it.choice"}],
   "lsis": [{"id": "it", "type": "motion choice", "parameters": {"character": "character"}},
            {"id": "mix", "type": "interpolation", "parameters": {"character": "character"}}],
@@ -78,7 +64,7 @@ constexpr const char* choice_circuit = R"({"version": 2, "name": "t", "inputs": 
 /// Plays `choices` (time in s, choice) for `duration` s and calls `each(t, reference)` at every tick.
 template <class Each>
 void play(const World& world, std::vector<std::pair<double, double>> choices, double duration, double dt, Each each) {
-  circuit::Interpreter i = build(world, choice_circuit, dt);
+  circuit::Interpreter i = build(&world, choice_circuit, dt);
   for (int n = 0; n * dt < duration; ++n) {
     for (const auto& [time, choice] : choices)
       if (std::fabs(time - n * dt) < dt / 2) set(i, "choice", choice);
@@ -127,7 +113,8 @@ TEST(MotionChoice, AMotionBeginsAtThePlaceAndHeadingOfTheCharacter) {
     last = root_placement(m, i.find_output("mix.reference")->numbers().first(nq));
     if (t <= 1.001) EXPECT_NEAR(last.x, 0, 0.1);
   });
-  // the looped slide of 2 s and 1 m along x, from 1 s to 6.99 s: three rounds, although it was recorded at (5, -2) m with a heading of 0.7 rad
+  // the looped slide of 2 s and 1 m along x, from 1 s to 6.99 s: three rounds, although it was recorded at (5, -2) m with a heading of 0.7
+  // rad
   EXPECT_NEAR(last.x, 3, 0.1);
   EXPECT_NEAR(last.y, 0, 0.01);
   EXPECT_NEAR(last.heading, 0, 1e-6);
@@ -144,7 +131,7 @@ TEST(MotionChoice, ReportsWhatPlaysAndItsEnd) {
 
 TEST(MotionChoice, SavedStateContinuesWithTheSameBits) {
   const auto world = make_world();
-  circuit::Interpreter a = build(*world, choice_circuit, 0.01), b = build(*world, choice_circuit, 0.01);
+  circuit::Interpreter a = build(world.get(), choice_circuit, 0.01), b = build(world.get(), choice_circuit, 0.01);
   a.run(70);
   set(a, "choice", 1);
   a.run(10);
@@ -161,8 +148,8 @@ TEST(MotionChoice, SavedStateContinuesWithTheSameBits) {
 /// Two play rules in series: "low" (choice 1) below "high" (choice 2).
 std::string rules_circuit(const char* low, const char* high) {
   const auto rule = [](const char* id, int number, const char* mode) {
-    return std::string(R"({"id": ")") + id + R"(", "type": "play rule", "parameters": {"number": )" + std::to_string(number) + R"(, "mode": ")" +
-           mode + "\"}}";
+    return std::string(R"({"id": ")") + id + R"(", "type": "play rule", "parameters": {"number": )" + std::to_string(number) +
+           R"(, "mode": ")" + mode + "\"}}";
   };
   return R"({"version": 2, "name": "t", "inputs": [{"name": "low", "type": "scalar", "to": "low.condition"},
              {"name": "high", "type": "scalar", "to": "high.condition"}],
@@ -175,7 +162,7 @@ std::string rules_circuit(const char* low, const char* high) {
 
 TEST(PlayRule, WhenPlaysTheMotionOnceForEachRise) {
   const auto world = make_world();
-  circuit::Interpreter i = build(*world, rules_circuit("when", "while"), 0.01);
+  circuit::Interpreter i = build(world.get(), rules_circuit("when", "while"), 0.01);
   i.run(10);
   EXPECT_EQ(get(i, "it.now"), 0);
   set(i, "low", 1);  // stays true: the motion must not repeat
@@ -198,7 +185,7 @@ TEST(PlayRule, WhenPlaysTheMotionOnceForEachRise) {
 
 TEST(PlayRule, WhileLastsAsLongAsItsConditionAndHasPriority) {
   const auto world = make_world();
-  circuit::Interpreter i = build(*world, rules_circuit("when", "while"), 0.01);
+  circuit::Interpreter i = build(world.get(), rules_circuit("when", "while"), 0.01);
   set(i, "high", 1);
   i.run(500);  // longer than the motion, which repeats
   EXPECT_EQ(get(i, "it.now"), 2);
@@ -219,7 +206,7 @@ TEST(PlayRule, WhileLastsAsLongAsItsConditionAndHasPriority) {
 
 TEST(PlayRule, WhileEndsWithAMotionThatDoesNotLoop) {
   const auto world = make_world();
-  circuit::Interpreter i = build(*world, rules_circuit("while", "while"), 0.01);
+  circuit::Interpreter i = build(world.get(), rules_circuit("while", "while"), 0.01);
   set(i, "low", 1);
   i.run(100);
   EXPECT_EQ(get(i, "it.now"), 1);
@@ -268,9 +255,10 @@ TEST(TouchCondition, HoldsBetweenTheNamedLinksOnly) {
     const char* touch;
     bool wanted;
   };
-  for (const Case& c : {Case{"character=ball;other=ground", true}, Case{"character=ball", true}, Case{"character=ball;other=character", false},
-                        Case{"character=character;link=foot left;other=ground", true}, Case{"character=character;link=trunk", false}}) {
-    circuit::Interpreter i = build(*world, physics_circuit(c.touch, "character=ball"), 0.002);
+  for (const Case& c :
+       {Case{"character=ball;other=ground", true}, Case{"character=ball", true}, Case{"character=ball;other=character", false},
+        Case{"character=character;link=foot left;other=ground", true}, Case{"character=character;link=trunk", false}}) {
+    circuit::Interpreter i = build(world.get(), physics_circuit(c.touch, "character=ball"), 0.002);
     ASSERT_TRUE(i.run(50));
     EXPECT_EQ(get(i, "touch.touching"), c.wanted ? 1 : 0) << c.touch;
     if (std::string(c.touch) == "character=ball") EXPECT_NEAR(get(i, "touch.force"), 0.45 * 9.81, 0.05) << "the weight of the ball";
@@ -282,7 +270,8 @@ TEST(PushRule, GivesTheImpulseOfForceTimesDuration) {
   const Character& ball = world->characters()[1];
   // 4.5 N on 0.45 kg for 0.02 s; no friction acts on the centre of the ball during the first contact-free direction x except rolling
   for (const bool lasting : {false, true}) {
-    circuit::Interpreter i = build(*world, physics_circuit("character=ball", lasting ? "character=ball" : "character=ball;duration=0.02"), 0.002);
+    circuit::Interpreter i =
+        build(world.get(), physics_circuit("character=ball", lasting ? "character=ball" : "character=ball;duration=0.02"), 0.002);
     i.run(5);
     const auto state = [&] { return i.find_circuit_output("state")->numbers().data(); };
     EXPECT_NEAR(v_of(ball, state())[3], 0, 1e-9);

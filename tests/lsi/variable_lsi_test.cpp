@@ -1,23 +1,10 @@
 // LSIs of rules that keep and change variables, and that make and open grips.
 
+#include "signals.h"
 #include "small_world.h"
 
 namespace ugoki::lsi {
 namespace {
-
-circuit::Interpreter build(const circuit::Resources* world, const std::string& text, double dt) {
-  const auto c = circuit::read_circuit(text);
-  EXPECT_TRUE(c) << (c ? "" : c.error().text());
-  auto i = circuit::Interpreter::build(*c, standard_library(), world, {.dt = dt, .check_finite = true});
-  EXPECT_TRUE(i) << (i ? "" : i.error().text());
-  return std::move(*i);
-}
-void set(circuit::Interpreter& i, const char* input, double value) {
-  const auto bytes = i.find_circuit_input(input);
-  ASSERT_EQ(bytes.size(), sizeof value);
-  std::memcpy(bytes.data(), &value, sizeof value);
-}
-double get(const circuit::Interpreter& i, const char* pin) { return i.find_output(pin)->numbers()[0]; }
 
 /// Variable "v" with the changes "one" (input `one`) and, after it, "two" (input `two`).
 std::string changes_circuit(const std::string& variable, const std::string& one, const std::string& two) {

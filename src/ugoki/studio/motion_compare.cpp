@@ -9,6 +9,7 @@
 #include "ugoki/content/scenario.h"
 #include "ugoki/content/track.h"
 #include "ugoki/mechanism/state.h"
+#include "ugoki/studio/pose_json.h"
 
 namespace ugoki::studio {
 namespace {
@@ -19,10 +20,6 @@ constexpr double rate = 30;              // 1/s: poses between two samples are i
 constexpr std::size_t max_poses = 1200;  // 40 s at `rate`; longer clips are sampled more coarsely
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-double rounded(double x, double unit) {
-  const double value = std::round(x / unit) * unit;
-  return value == 0 ? 0 : value;
-}
 
 /// The track of a character with all layers applied.
 struct Track {
@@ -96,17 +93,6 @@ struct Largest {
   }
 };
 
-Json poses_json(const Mechanism& m, std::span<const double> q) {
-  std::vector<Pose> X(at(m.link_count()));
-  calc_poses(m, q, X);
-  Json out = Json::array();
-  for (const Pose& pose : X) {
-    const Quat r = to_quat(pose.R);
-    for (const double value : {pose.p.x, pose.p.y, pose.p.z, r.w, r.x, r.y, r.z}) out.push_back(rounded(value, 1e-4));
-  }
-  return out;
-}
-
 }  // namespace
 
 Result<std::string> compare_motion(const project::Project& project, const Json& request) {
@@ -144,7 +130,7 @@ Result<std::string> compare_motion(const project::Project& project, const Json& 
     before->sample_at(m, time, a);
     now->sample_at(m, time, b);
     largest.add(m, time, a, b);
-    poses.push_back(poses_json(m, a));
+    poses.push_back(poses_json(m, a, 1e-4));
   }
   const Json out = {{"from", from},
                     {"step", step},

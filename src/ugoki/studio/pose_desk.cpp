@@ -10,6 +10,7 @@
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion_edit/mirror.h"
 #include "ugoki/posing/pose_edit.h"
+#include "ugoki/studio/pose_json.h"
 
 namespace ugoki::studio {
 namespace {
@@ -24,11 +25,6 @@ constexpr std::size_t max_ghosts = 32, max_curves = 64;
 constexpr int max_samples = 600;  // points of one curve: more than a panel has pixels per second of a clip
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-double rounded(double x, double unit) {
-  const double value = std::round(x / unit) * unit;
-  return value == 0 ? 0 : value;
-}
 
 /// The clip that a request names, with its mechanism and its place on the track.
 struct Shown {
@@ -98,17 +94,6 @@ int displacement(const Joint& joint, JointPart part, const double* q, double* ou
   }
   joint_displacement(joint, q, out);
   return joint.nv();
-}
-
-Json poses_json(const Mechanism& m, std::span<const double> q) {
-  std::vector<Pose> X(at(m.link_count()));
-  calc_poses(m, q, X);
-  Json out = Json::array();
-  for (const Pose& pose : X) {
-    const Quat r = to_quat(pose.R);
-    for (const double value : {pose.p.x, pose.p.y, pose.p.z, r.w, r.x, r.y, r.z}) out.push_back(rounded(value, 1e-6));
-  }
-  return out;
 }
 
 bool is_changed(const Joint& joint, const double* a, const double* b) {
@@ -387,8 +372,8 @@ Result<std::string> PoseDesk::pose(const project::Project& project, const Json& 
     const int link = m.find_link(track.link);
     if (link >= 0 && frame < track.on.size() && track.on[frame]) planted.push_back(link);
   }
-  Json out = {{"motion_time", phase.time},     {"links", poses_json(m, q)}, {"angles", std::move(angles)},
-              {"changed", std::move(changed)}, {"keys", std::move(keys)},   {"planted", std::move(planted)}};
+  Json out = {{"motion_time", phase.time},     {"links", poses_json(m, q, 1e-6)}, {"angles", std::move(angles)},
+              {"changed", std::move(changed)}, {"keys", std::move(keys)},         {"planted", std::move(planted)}};
 
   if (coordinates) out["joints"] = stored_joints(m, q);
   if (const Json* times = f.list("ghosts", max_ghosts, "times")) {
@@ -398,7 +383,7 @@ Result<std::string> PoseDesk::pose(const project::Project& project, const Json& 
       std::size_t i = shown.track.size() - 1;
       while (i > 0 && shown.track[i].start > wanted_time) --i;
       sample(shown.track[i], shown.layered_motion(i), m, wanted_time, q);
-      ghosts.push_back(poses_json(m, q));
+      ghosts.push_back(poses_json(m, q, 1e-6));
     }
     out["ghosts"] = std::move(ghosts);
   }
@@ -486,7 +471,7 @@ Result<std::string> PoseDesk::stored(const project::Project& project, const Json
       std::copy(joint.q.begin(), joint.q.end(), q.begin() + m.link(index).q_index);
       return normalise(m.link(index).joint, q.data() + m.link(index).q_index);
     });
-    if (fits) list.push_back({{"id", pose.id}, {"links", poses_json(m, q)}});
+    if (fits) list.push_back({{"id", pose.id}, {"links", poses_json(m, q, 1e-6)}});
   }
   return ",\"poses\":" + json::to_text(list);
 }
