@@ -328,6 +328,40 @@ TEST(GroundPlan, PathMeetsBothPlacesAndItsRateIsItsDerivative) {
   }
 }
 
+TEST(GroundPlan, BodyIsLoweredForAFootThatLandsLate) {
+  // The ground under the left foot is 8 cm lower. The reference already stands on both feet; the left foot has not reached the ground.
+  const Walker w;
+  const auto stand = std::make_shared<const ChangedStand>(w, 3, [](double, std::span<double>) {});
+  LinkSpec link;
+  link.name = "ground";
+  link.joint.type = JointType::fixed;
+  link.shapes.push_back(Shape::box({20, 20, 0.5}, {Mat3::identity(), {0, -20, -0.5}}));
+  link.shapes.push_back(Shape::box({20, 20, 0.5}, {Mat3::identity(), {0, 20, -0.08 - 0.5}}));
+  MechanismSpec spec;
+  spec.name = "ground";
+  spec.links.push_back(std::move(link));
+  const std::vector<MechanismPtr> systems{w.body.mechanism, Mechanism::make(std::move(spec)).value()};
+  BalanceModel model(w.body.mechanism, stand, {}, 0, GroundMap(systems, 0, -100));
+  ASSERT_TRUE(model.schedule.at(0, 1).stands && model.schedule.at(1, 1).stands);
+  GroundSupport support(model);
+  GroundPlan plan(model);
+  BalanceState state;
+  state.started = 1;
+  state.time = state.clock = 1;
+  for (std::size_t f = 0; f < 2; ++f) state.feet[f].stands = f != model.left_foot ? 1 : 0;
+  model.sample_reference(state);
+  std::vector<double> q = model.q_ref;
+  dynamics::update_kinematics(*model.mechanism, q, std::vector<double>(model.v_ref.size()), model.now);
+  model.centroid = dynamics::calc_centroidal(*model.mechanism, model.now);
+  for (int i = 0; i < 500; ++i) {
+    plan.update(model, support, 0.002, state);
+    model.sample_reference(state);
+  }
+  EXPECT_NEAR(state.feet[model.left_foot].to[2], -0.08, 1e-3);
+  // The legs of the standing reference have their maximum length, so the reference must sink as far as the ground.
+  EXPECT_NEAR(state.z - state.lower, -0.08, 0.005);
+}
+
 TEST(BalanceControl, DogTrotsWithoutAssist) {
   const MechanismPtr dog = samples::make_dog();
   const Motion trot = samples::make_dog_trot(*dog);

@@ -70,13 +70,20 @@ void GroundPlan::lower_body(const BalanceModel& model, double dt, BalanceState& 
     double share = 1;
     if (!state.feet[f].stands) {
       // A foot that will land soon: only the height of its foothold counts, because body and foot are displaced together.
-      const Stance* next = state.feet[f].reacts ? nullptr : model.schedule.at(f, state.time).next;
-      if (!next) continue;
+      const ScheduledFoot planned = model.schedule.at(f, state.time);
+      const double landing = state.feet[f].to[2] - model.floor - state.z;  // m: height of the foothold above the mean ground
       share = smooth_step((swing_phase(model, state, f) - 0.4) / 0.5).value;
-      const Pose displaced = to_pose({state.x, state.y, state.z, state.heading});
-      hip = displaced * next->hip;
-      sole = displaced * (next->foot * leg.sole);
-      sole.z += state.feet[f].to[2] - model.floor - state.z;
+      if (state.feet[f].reacts || planned.stands) {
+        // The reference already stands on a foot that lands late, and contains no reaction steps.
+        sole = model.reference_sole(f) + Vec3{0, 0, landing + state.lower};
+      } else if (planned.next) {
+        const Pose displaced = to_pose({state.x, state.y, state.z, state.heading});
+        hip = displaced * planned.next->hip;
+        sole = displaced * (planned.next->foot * leg.sole);
+        sole.z += landing;
+      } else {
+        continue;
+      }
     }
     const double distance = norm(horizontal(hip - sole));
     lower = std::max(lower, share * (hip.z - sole.z - std::sqrt(std::max(0.0, length * length - distance * distance))));
