@@ -53,17 +53,22 @@ TEST(JointNames, PartsAndSidesOfManyConventions) {
 }
 
 TEST(JointNames, NamesDistinguishHindLimbsAndControls) {
-  const std::vector<std::string> names = {"BackLeg.L", "FrontLeg.L", "BackShoulder.R", "Back", "LeftForeArm", "IKBackLeg.L", "PoleTarget.L",
-                                          "ForwardLeg.R", "BackwardLeg.R"};
+  const std::vector<std::string> names = {"BackLeg.L",   "FrontLeg.L",   "BackShoulder.R", "Back",         "LeftForeArm",
+                                          "IKBackLeg.L", "PoleTarget.L", "ForwardLeg.R",   "BackwardLeg.R"};
   const std::vector<NameEvidence> e = read_joint_names(names);
   EXPECT_TRUE(e[0].hind && !e[0].fore && e[0].part == Part::shank);
-  EXPECT_TRUE(e[1].fore && !e[1].hind && e[1].part == Part::shank);
+  EXPECT_TRUE(e[1].fore && !e[1].hind && e[1].part == Part::forearm);
   EXPECT_TRUE(e[2].hind && e[2].part == Part::other) << "the shoulder of a hind leg is no shoulder";
   EXPECT_TRUE(!e[3].hind && e[3].part == Part::trunk);
   EXPECT_TRUE(!e[4].fore && e[4].part == Part::forearm) << "a forearm is no fore limb";
   EXPECT_TRUE(e[5].helper && e[5].control && e[5].hind);
   EXPECT_TRUE(e[6].helper && !e[6].control) << "a pole target is no part of a limb";
   EXPECT_TRUE(e[7].fore && e[8].hind);
+  const std::vector<std::string> letters = {"leg.F.L", "leg.B.R", "finger.F.L", "legB", "spine"};
+  const std::vector<NameEvidence> f = read_joint_names(letters);
+  EXPECT_TRUE(f[0].fore && f[0].side > 0 && f[0].part == Part::forearm);
+  EXPECT_TRUE(f[1].hind && f[1].side < 0 && f[1].part == Part::shank);
+  EXPECT_TRUE(!f[2].fore && f[3].hind);
 }
 
 TEST(Recognise, ThePartsDoNotDependOnTheRestPose) {

@@ -76,6 +76,26 @@ TEST(LimbEnds, AHorseOfTwoBonesForEachLegIsFourLegged) {
   }
 }
 
+// The rump, which carries the tail, is longer than a leg.
+TEST(LimbEnds, ABranchThatCarriesTheTailIsNoLimb) {
+  std::vector<Bone> b = {{"hip_holder", -1, {0, 0, 1.2}, {}}, {"body", 0, {0.5, 0, 0.1}, {}},
+                         {"neck", 1, {0.25, 0, 0.2}, {}},     {"head", 2, {0.5, 0, 0.5}, {0.4, 0, -0.2}},
+                         {"rump", 0, {-0.5, 0, 0.1}, {}},     {"tail", 4, {-0.4, 0, 0.1}, {-0.8, 0, -0.4}}};
+  for (const double fore : {1.0, -1.0})
+    for (const double side : {1.0, -1.0}) {
+      const std::string s = std::string(side > 0 ? "L_" : "R_") + (fore > 0 ? "Front" : "Back");
+      const int upper = static_cast<int>(b.size());
+      b.push_back({s + "Leg_Upper", 0, {0.6 * fore, 0.2 * side, -0.1}, {}});
+      b.push_back({s + "Leg_Lower", upper, {0, 0, -0.5}, {}});
+      b.push_back({s + "Hoof", upper + 1, {0, 0, -0.5}, {0, 0, -0.1}});
+    }
+  std::vector<MeasuredMotion> motions = {moving(b)};
+  std::vector<std::string> report;
+  EXPECT_EQ(arrange(motions, report, nullptr, true).plan, body::BodyPlan::four_legs);
+  std::vector<MeasuredMotion> again = {moving(b)};
+  EXPECT_EQ(add_chest(again), (std::vector<std::string>{"L_FrontLeg_Upper", "R_FrontLeg_Upper"}));
+}
+
 TEST(LimbEnds, ALimbOfOneBoneIsDividedInItsMiddle) {
   std::vector<MeasuredMotion> motions = {
       moving({{"root", -1, {0, 0, 1}, {}}, {"leg_l", 0, {0, 0.1, 0}, {0, 0, -0.8}}, {"head", 0, {0, 0, 0.3}, {0, 0, 0.2}}})};
@@ -105,6 +125,94 @@ TEST(LimbEnds, EndsOfMeshesAreNotUsedForACharacterWithFeet) {
   std::vector<std::string> report;
   EXPECT_EQ(arrange(motions, report, nullptr, true).plan, body::BodyPlan::human);
   for (const SkeletonJoint& j : motions[0].skeleton.joints) EXPECT_TRUE(j.end_sites.empty()) << j.name;
+}
+
+/// A dog whose limbs of three bones are attached to different joints of the spine: the left fore limb one joint in front of the right one,
+/// the left hind limb one joint behind the right one. @param heads true: with neck and head
+std::vector<Bone> uneven_dog(bool names, bool heads) {
+  std::vector<Bone> b = {{"body_low", -1, {0, 0, 0.6}, {}}, {"body_mid", 0, {0.3, 0, 0}, {}}, {"body_up", 1, {0.3, 0, 0}, {}}};
+  if (heads) {
+    b.push_back({"neck", 2, {0.15, 0, 0.1}, {}});
+    b.push_back({"head", 3, {0.1, 0, 0.1}, {0.2, 0, 0}});
+  }
+  const std::vector<Vec3> at = {{0, 0, 0}, {0.3, 0, 0}, {0.6, 0, 0}};  // joints of the spine from the root
+  for (const double fore : {1.0, -1.0})
+    for (const double side : {1.0, -1.0}) {
+      const int spine = fore > 0 ? (side > 0 ? 2 : 1) : (side > 0 ? 0 : 1);
+      const Vec3 hip = Vec3{fore > 0 ? 0.5 : 0.05, 0.12 * side, -0.05} - at[static_cast<std::size_t>(spine)];
+      const int first = static_cast<int>(b.size());
+      const std::string s = side > 0 ? ".L" : ".R";
+      const auto name = [&](const char* part) {
+        return names ? (fore > 0 ? "leg-front-" : "leg-back-") + std::string(part) + s : "Bone" + std::to_string(b.size());
+      };
+      b.push_back({name("up"), spine, hip, {}});
+      b.push_back({name("mid"), first, {0.03, 0, -0.25}, {}});
+      b.push_back({name("low"), first + 1, {-0.03, 0, -0.22}, {0.08, 0, -0.06}});
+    }
+  return b;
+}
+
+TEST(FourLegs, LimbsOfAPairGetTheSameJoint) {
+  for (const bool names : {true, false})
+    for (const bool heads : {true, false}) {
+      SCOPED_TRACE(std::to_string(names) + " " + std::to_string(heads));
+      std::vector<MeasuredMotion> motions = {moving(uneven_dog(names, heads))};
+      EXPECT_EQ(body::recognise_character(motions[0]).plan, body::BodyPlan::other);
+      std::vector<std::string> report;
+      const body::Character c = arrange(motions, report);
+      ASSERT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not << (c.decisions.empty() ? "" : c.decisions.back());
+      EXPECT_NEAR(c.trunk_length, 0.45, 0.1);
+      EXPECT_GE(c.head, 0);
+      const Skeleton& s = motions[0].skeleton;
+      for (const auto* limbs : {&c.legs, &c.arms}) {
+        const auto first = [&](int side) { return s.joints[static_cast<std::size_t>((*limbs)[static_cast<std::size_t>(side)].proximal)]; };
+        EXPECT_EQ(first(0).parent, first(1).parent);
+      }
+      if (names) EXPECT_EQ(s.joints[static_cast<std::size_t>(c.arms[0].proximal)].name, "leg-front-up.L");
+    }
+}
+
+// Each leg is one bone whose end is known from the mesh, all legs and the tail are children of the body, and there is no head.
+TEST(FourLegs, AHeadlessDogOfOneBoneForEachLegIsFourLegged) {
+  for (const bool names : {true, false}) {
+    std::vector<Bone> b = {{"root", -1, {}, {}}, {"body", 0, {0, 0, 0.5}, {0.3, 0, 0.2}}, {"tail", 1, {-0.4, 0, 0.1}, {-0.2, 0, 0.2}}};
+    for (const double fore : {1.0, -1.0})
+      for (const double side : {1.0, -1.0})
+        b.push_back({names ? std::string("leg.") + (fore > 0 ? "F" : "B") + (side > 0 ? ".L" : ".R") : "Bone" + std::to_string(b.size()),
+                     1,
+                     {0.3 * fore, 0.15 * side, -0.1},
+                     {0.02, 0, -0.4}});
+    std::vector<MeasuredMotion> motions = {moving(b)};
+    EXPECT_EQ(body::recognise_character(motions[0]).plan, body::BodyPlan::other);
+    std::vector<std::string> report;
+    const body::Character c = arrange(motions, report, nullptr, true);
+    ASSERT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not;
+    EXPECT_NEAR(c.trunk_length, 0.6, 0.05);
+    ASSERT_GE(c.head, 0);
+    // The head is in front of the fore limbs.
+    std::vector<Pose> X;
+    motions[0].calc_joint_poses(0, X);
+    const auto x = [&](int i) { return X[static_cast<std::size_t>(i)].p.x; };
+    EXPECT_GT(x(c.head), x(c.arms[0].proximal));
+    EXPECT_GT(x(c.arms[0].proximal), x(c.legs[0].proximal));
+  }
+}
+
+TEST(FourLegs, AHeadlessPersonIsNotFourLegged) {
+  std::vector<Bone> b = {{"hips", -1, {0, 0, 1}, {}}, {"spine", 0, {0, 0, 0.25}, {}}, {"chest", 1, {0, 0, 0.2}, {}}};
+  for (const double side : {1.0, -1.0}) {
+    const std::string s = side > 0 ? ".L" : ".R";
+    const int k = static_cast<int>(b.size());
+    b.push_back({"thigh" + s, 0, {0, 0.1 * side, 0}, {}});
+    b.push_back({"shin" + s, k, {0.01, 0, -0.45}, {}});
+    b.push_back({"foot" + s, k + 1, {-0.01, 0, -0.45}, {0.2, 0, -0.08}});
+    b.push_back({"upper_arm" + s, 2, {0, 0.2 * side, 0.05}, {}});
+    b.push_back({"forearm" + s, k + 3, {0, 0, -0.3}, {}});
+    b.push_back({"hand" + s, k + 4, {0, 0, -0.25}, {0, 0, -0.1}});
+  }
+  std::vector<MeasuredMotion> motions = {moving(b)};
+  std::vector<std::string> report;
+  EXPECT_NE(arrange(motions, report).plan, body::BodyPlan::four_legs);
 }
 
 }  // namespace

@@ -53,6 +53,26 @@ TEST(Scene, FbxReadsBackEqual) {
     }
 }
 
+// The mesh has a triangle for each joint: the joint, and points 0.1 file units along x and y of the file, so that the mean of the far
+// points is (0.05, 0.05, 0) in the file's axes whatever the rest rotation of the bone is. File units are cm; y is up.
+TEST(Scene, FbxMeshesGiveTheEndsOfBones) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const MeasuredMotion m = random_motion(seed);
+    const std::string file = make_scene_file(m, {.format = "fbxa", .units_per_metre = 100});
+    const auto without = read_scene(bytes_of(file), "made.fbx"), with = read_scene(bytes_of(file), "made.fbx", {.mesh_ends = true});
+    ASSERT_TRUE(without && with);
+    std::vector<char> carries(with->front().skeleton.joints.size(), 0);
+    for (const SkeletonJoint& j : with->front().skeleton.joints)
+      if (j.parent >= 0) carries[static_cast<std::size_t>(j.parent)] = 1;
+    for (std::size_t j = 0; j < carries.size(); ++j) {
+      const std::vector<Vec3>& ends = with->front().skeleton.joints[j].end_sites;
+      EXPECT_TRUE(without->front().skeleton.joints[j].end_sites.empty());
+      ASSERT_EQ(ends.size(), carries[j] != 0 || joint_named(m, with->front().skeleton.joints[j].name) < 0 ? 0u : 1u);
+      if (!ends.empty()) EXPECT_LT(norm(ends[0] - Vec3{0, 0.0005, 0.0005}), 1e-6);
+    }
+  }
+}
+
 TEST(Scene, FbxAxesAndUnitAreRead) {
   const MeasuredMotion m = random_motion(4);
   std::string file = make_scene_file(m, {.format = "fbxa", .units_per_metre = 100});

@@ -255,10 +255,22 @@ std::string without(std::string text, std::string_view word) {
   return i == std::string::npos ? text : text.erase(i, word.size());
 }
 
+/// The part of an arm that corresponds to a part of a leg; other parts stay.
+Part counterpart(Part leg) {
+  switch (leg) {
+    case Part::hip: return Part::shoulder;
+    case Part::thigh: return Part::upper_arm;
+    case Part::shank: return Part::forearm;
+    case Part::foot: return Part::hand;
+    case Part::toes: return Part::fingers;
+    default: return leg;
+  }
+}
+
 NameEvidence evidence_of(const std::vector<std::string>& words) {
   NameEvidence out;
   std::string joined;
-  bool control = false, follows = false, back = false;
+  bool control = false, follows = false, back = false, letter_f = false, letter_b = false;
   for (std::string word : words) {
     if (is_digit(word[0])) continue;
     if (const int side = side_of_word(word); side != 0) {
@@ -283,8 +295,10 @@ NameEvidence evidence_of(const std::vector<std::string>& words) {
                word == "fr";
     out.hind = out.hind || word == "hind" || word == "rear" || word == "posterior" || word == "bck" || word == "hl" || word == "hr" ||
                word == "bl" || word == "br";
+    letter_f = letter_f || word == "f";
+    letter_b = letter_b || word == "b";
     back = back || word == "back" || word == "backward";
-    joined += word;
+    if (word != "f" && word != "b") joined += word;
   }
   out.helper = control || follows;
   out.control = control && !follows;
@@ -310,6 +324,14 @@ NameEvidence evidence_of(const std::vector<std::string>& words) {
   // A hip with a side is a thigh; a hip without a side is the pelvis.
   if (out.part == Part::thigh && out.second == Part::pelvis) out.part = out.side != 0 ? Part::thigh : Part::pelvis;
   if (out.part == Part::pelvis && out.second == Part::thigh) out.part = out.side != 0 ? Part::thigh : Part::pelvis;
+  if (is_leg(out.part) && !out.fore && !out.hind && letter_f != letter_b) {  // "leg.F.L"
+    out.fore = letter_f;
+    out.hind = letter_b;
+  }
+  if (out.fore && is_leg(out.part)) {
+    out.part = counterpart(out.part);
+    out.second = counterpart(out.second);
+  }
   return out;
 }
 

@@ -12,7 +12,7 @@ namespace ugoki::body {
 
 /// Evidence from one joint's name.
 struct NameEvidence {
-  Part part = Part::other;    ///< the part that begins at the joint; `other`: the name states no part
+  Part part = Part::other;    ///< the part that begins at the joint; `other`: the name states no part. "FrontLeg" is part of an arm
   Part second = Part::other;  ///< a second meaning of an ambiguous word ("leg": shank or thigh); `other`: none
   int side = 0;               ///< 1 left, -1 right, 0 not stated
   bool helper = false;        ///< a bone that only follows: twist, roll, end, effector, hair, cloth, face, camera ...

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "ugoki/formats/mesh_end.h"
 #include "ugoki/formats/text.h"
 
 namespace ugoki::formats {
@@ -484,19 +485,7 @@ class Parser {
     }
     for (std::size_t s = 0; s < points.size(); ++s) {
       out_.skins[s].mesh_ends.resize(points[s].size());
-      for (std::size_t k = 0; k < points[s].size(); ++k) {
-        double reach = 0;
-        for (const Vec3& p : points[s][k]) reach = std::max(reach, norm(p));
-        if (!(reach > 0) || !std::isfinite(reach)) continue;
-        Vec3 sum;
-        double count = 0;
-        for (const Vec3& p : points[s][k])
-          if (norm(p) > 0.85 * reach) {  // mean of the farthest points, so that a single corner does not decide
-            sum += p;
-            count += 1;
-          }
-        out_.skins[s].mesh_ends[k] = sum / count;
-      }
+      for (std::size_t k = 0; k < points[s].size(); ++k) out_.skins[s].mesh_ends[k] = far_end(points[s][k]);
     }
   }
 

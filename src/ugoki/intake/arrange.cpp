@@ -7,41 +7,16 @@
 #include "ugoki/body/limb_geometry.h"
 #include "ugoki/intake/conversion_report.h"
 #include "ugoki/intake/correction.h"
+#include "ugoki/intake/four_legs.h"
 #include "ugoki/intake/limb_ends.h"
+#include "ugoki/intake/tree_edit.h"
 
 namespace ugoki::intake {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-bool is_below(const Skeleton& s, int i, int ancestor) {
-  for (; i >= 0; i = s.joints[at(i)].parent)
-    if (i == ancestor) return true;
-  return false;
-}
-
-/// Sets the local poses of all frames from world poses. @param world [frames][joints]
-void set_world(MeasuredMotion& m, const std::vector<std::vector<Pose>>& world) {
-  const std::size_t n = m.skeleton.joints.size();
-  m.translations.resize(at(m.frames) * n);
-  m.rotations.resize(at(m.frames) * n);
-  for (std::size_t f = 0; f < world.size(); ++f)
-    for (std::size_t i = 0; i < n; ++i) {
-      const int parent = m.skeleton.joints[i].parent;
-      const Pose& X = world[f][i];
-      const Pose local = parent < 0 ? X : world[f][at(parent)].inverse() * X;
-      m.translations[f * n + i] = local.p;
-      m.rotations[f * n + i] = to_quat(local.R);
-    }
-}
-
 }  // namespace
-
-std::vector<std::vector<Pose>> world_of(const MeasuredMotion& m) {
-  std::vector<std::vector<Pose>> world(at(m.frames));
-  for (int f = 0; f < m.frames; ++f) m.calc_joint_poses(f, world[at(f)]);
-  return world;
-}
 
 void keep_joints(MeasuredMotion& m, std::span<const char> keep) {
   const std::size_t n = m.skeleton.joints.size();
@@ -127,109 +102,12 @@ std::vector<std::string> attach_to_rigid_ancestors(std::span<MeasuredMotion> mot
 
 namespace {
 
-/// Puts parents before their children. Children keep their order.
-void sort_parents_first(MeasuredMotion& m) {
-  const std::size_t n = m.skeleton.joints.size();
-  std::vector<std::vector<int>> children(n);
-  std::vector<int> order, place(n), open;
-  for (std::size_t i = n; i-- > 0;) {
-    const int parent = m.skeleton.joints[i].parent;
-    if (parent < 0)
-      open.push_back(static_cast<int>(i));
-    else
-      children[at(parent)].push_back(static_cast<int>(i));
-  }
-  while (!open.empty()) {
-    const int i = open.back();
-    open.pop_back();
-    place[at(i)] = static_cast<int>(order.size());
-    order.push_back(i);
-    open.insert(open.end(), children[at(i)].begin(), children[at(i)].end());  // the last child first; it is taken last
-  }
-  MeasuredMotion sorted = m;
-  for (std::size_t k = 0; k < n; ++k) {
-    const std::size_t from = at(order[k]);
-    sorted.skeleton.joints[k] = m.skeleton.joints[from];
-    int& parent = sorted.skeleton.joints[k].parent;
-    if (parent >= 0) parent = place[at(parent)];
-    for (std::size_t f = 0; f < at(m.frames); ++f) {
-      sorted.translations[f * n + k] = m.translations[f * n + from];
-      sorted.rotations[f * n + k] = m.rotations[f * n + from];
-    }
-  }
-  m = std::move(sorted);
-}
-
-}  // namespace
-
-namespace {
-
-/// Poses of all joints in up to about 120 frames of the motions.
-std::vector<std::vector<Pose>> sample_poses(std::span<const MeasuredMotion> motions) {
-  constexpr int max_samples = 120;
-  std::vector<std::vector<Pose>> samples;
-  for (const MeasuredMotion& m : motions) {
-    const int step = std::max(1, m.frames * static_cast<int>(motions.size()) / max_samples);
-    for (int f = 0; f < m.frames; f += step) m.calc_joint_poses(f, samples.emplace_back());
-  }
-  return samples;
-}
-
-/// Diagonal [m] of the box around all joints.
-double extent_of(const std::vector<Pose>& X) {
-  Vec3 low = X[0].p, high = low;
-  for (const Pose& x : X)
-    for (int k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], x.p[k]);
-      high[k] = std::max(high[k], x.p[k]);
-    }
-  return norm(high - low);
-}
-
 /// Number of joints below each joint, without itself.
 std::vector<int> descendants(const Skeleton& s) {
   std::vector<int> count(s.joints.size(), 0);
   for (std::size_t i = s.joints.size(); i-- > 0;)
     for (int a = s.joints[i].parent; a >= 0; a = s.joints[at(a)].parent) ++count[at(a)];
   return count;
-}
-
-/// Distances [m] of joint i from its usual place relative to joint a, sorted. The usual place is the median of each coordinate.
-std::vector<double> deviations(const std::vector<std::vector<Pose>>& samples, std::size_t i, std::size_t a) {
-  std::vector<Vec3> local;
-  for (const auto& X : samples) local.push_back(X[a].inverse() * X[i].p);
-  Vec3 usual;
-  std::vector<double> values(local.size());
-  for (int k = 0; k < 3; ++k) {
-    std::ranges::transform(local, values.begin(), [&](const Vec3& p) { return p[k]; });
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    usual[k] = *middle;
-  }
-  std::ranges::transform(local, values.begin(), [&](const Vec3& p) { return norm(p - usual); });
-  std::ranges::sort(values);
-  return values;
-}
-
-double quantile(const std::vector<double>& sorted, double share) {
-  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
-}
-
-/// Gives joints a new parent, where new_parent[joint] is not -1. World poses do not change. All parents change at once, because poses can
-/// be computed only while parents precede their children.
-void reparent(std::span<MeasuredMotion> motions, std::span<const int> new_parent) {
-  for (MeasuredMotion& m : motions) {
-    const std::vector<std::vector<Pose>> world = world_of(m);
-    const std::vector<Vec3> rest = rest_positions(m.skeleton);
-    for (std::size_t i = 0; i < new_parent.size(); ++i) {
-      if (new_parent[i] < 0) continue;
-      m.skeleton.joints[i].translates = true;
-      m.skeleton.joints[i].parent = new_parent[i];
-      m.skeleton.joints[i].offset = rest[i] - rest[at(new_parent[i])];
-    }
-    set_world(m, world);
-    sort_parents_first(m);
-  }
 }
 
 }  // namespace
@@ -487,10 +365,11 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
       }
   }
   if (character.plan == body::BodyPlan::other)
-    for (const int attempt : {0, 1, 2, 3}) {  // rigs with few bones
-      std::vector<MeasuredMotion> extended = with_ends.empty() ? std::vector<MeasuredMotion>(motions.begin(), motions.end()) : with_ends;
+    for (int attempt = 0; attempt < (with_ends.empty() ? 4 : 8); ++attempt) {  // rigs with few bones; the last four without ends of meshes
+      std::vector<MeasuredMotion> extended =
+          with_ends.empty() || attempt >= 4 ? std::vector<MeasuredMotion>(motions.begin(), motions.end()) : with_ends;
       attach_to_rigid_ancestors(extended);
-      if (attempt >= 2) attach_to_rigid_joints(extended);
+      if (attempt % 4 >= 2) attach_to_rigid_joints(extended);
       const bool with_chest = attempt % 2 == 1;
       const std::vector<std::string> limbs = with_chest ? add_chest(extended) : std::vector<std::string>{};
       if (with_chest && limbs.empty()) continue;
@@ -502,6 +381,23 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
       character = std::move(better);
       if (!limbs.empty())
         report.push_back("All limbs have one common joint; a joint for the chest was added, which carries " + list_of(limbs) + ".");
+      if (!ends.empty())
+        report.push_back("Joints that do not turn were added at the ends of limbs with one or two bones: " + list_of(ends) + ".");
+      break;
+    }
+  if (character.plan == body::BodyPlan::other)
+    for (const bool attach : {false, true}) {  // limbs, chest and head of a four-legged animal by what touches the ground
+      std::vector<MeasuredMotion> completed = with_ends.empty() ? std::vector<MeasuredMotion>(motions.begin(), motions.end()) : with_ends;
+      attach_to_rigid_ancestors(completed);
+      if (attach) attach_to_rigid_joints(completed);
+      const std::vector<std::string> changes = complete_four_legs(completed);
+      if (changes.empty()) continue;
+      const std::vector<std::string> ends = add_limb_ends(completed);
+      body::Character better = body::recognise_character(completed[index], mapping);
+      if (better.plan != body::BodyPlan::four_legs) continue;
+      std::ranges::move(completed, motions.begin());
+      character = std::move(better);
+      report.insert(report.end(), changes.begin(), changes.end());
       if (!ends.empty())
         report.push_back("Joints that do not turn were added at the ends of limbs with one or two bones: " + list_of(ends) + ".");
       break;

@@ -68,7 +68,4 @@ void make_root(MeasuredMotion& motion, int root);
 /// Removes joints; the others keep their world poses. @param keep [joints] 1: the joint stays; its nearest kept ancestor becomes its parent
 void keep_joints(MeasuredMotion& motion, std::span<const char> keep);
 
-/// Poses of all joints in the world: [frames][joints].
-[[nodiscard]] std::vector<std::vector<Pose>> world_of(const MeasuredMotion& motion);
-
 }  // namespace ugoki::intake

@@ -455,9 +455,9 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
     case FileKind::scene: {
       const std::span raw(bytes.data(), bytes.size());
       Result<std::vector<MeasuredMotion>> motions =
-          scene_formats::read_scene(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit}, &notes);
+          scene_formats::read_scene(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit, .mesh_ends = true}, &notes);
       if (!motions) return fail(std::move(motions.error()));
-      return from_measured(std::move(*motions), std::move(notes), file_name, options);
+      return from_measured(std::move(*motions), std::move(notes), file_name, options, true);
     }
     case FileKind::usd: {
       Result<MeasuredMotion> measured = scene_formats::read_usd(bytes, file_name, {.metres_per_unit = options.unit}, &notes);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "ugoki/body/joint_names.h"
+#include "ugoki/intake/tree_edit.h"
 
 namespace ugoki::intake {
 namespace {
@@ -20,29 +21,6 @@ std::vector<int> child_counts(const Skeleton& s) {
   for (const SkeletonJoint& j : s.joints)
     if (j.parent >= 0) ++count[at(j.parent)];
   return count;
-}
-
-/// Appends a joint that does not turn relative to its parent.
-void append_rigid(MeasuredMotion& m, const std::string& name, int parent, const Vec3& offset, std::vector<Vec3> end_sites) {
-  const std::size_t n = m.skeleton.joints.size();
-  SkeletonJoint joint;
-  joint.name = name;
-  joint.parent = parent;
-  joint.offset = offset;
-  joint.end_sites = std::move(end_sites);
-  m.skeleton.joints.push_back(std::move(joint));
-  std::vector<Vec3> translations;
-  std::vector<Quat> rotations;
-  for (std::size_t f = 0; f < at(m.frames); ++f) {
-    for (std::size_t i = 0; i < n; ++i) {
-      translations.push_back(m.translations[f * n + i]);
-      rotations.push_back(m.rotations[f * n + i]);
-    }
-    translations.push_back(offset);
-    rotations.push_back({});
-  }
-  m.translations = std::move(translations);
-  m.rotations = std::move(rotations);
 }
 
 }  // namespace
@@ -104,6 +82,7 @@ std::vector<std::string> add_chest(std::span<MeasuredMotion> motions) {
       for (std::size_t k = i; k < n; ++k) {
         int a = static_cast<int>(k);
         while (a > static_cast<int>(i)) a = s.joints[at(a)].parent;
+        if (a == static_cast<int>(i)) other = other || evidence[k].tail;
         if (a == static_cast<int>(i)) head = head || evidence[k].part == body::Part::head || evidence[k].part == body::Part::neck;
       }
       if (head)

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "ugoki/intake/arrange.h"
+#include "ugoki/intake/tree_edit.h"
 
 namespace ugoki::intake {
 namespace {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "ugoki/formats/text.h"
+#include "ugoki/scene_formats/fbx_mesh_ends.h"
 #include "ugoki/scene_formats/fbx_tree.h"
 #include "ugoki/scene_formats/fbx_writer.h"
 
@@ -65,7 +66,7 @@ class Core {
  public:
   explicit Core(std::string_view location) : location_(location), file_(location) {}
 
-  Result<std::string> make(std::string_view bytes) {
+  Result<std::string> make(std::string_view bytes, std::map<std::string, Vec3>* mesh_ends) {
     if (Result<void> done = file_.load(bytes); !done) return fail(std::move(done.error()));
     if (file_.version() < 7100)
       return fail(ErrorCode::unsupported, location_,
@@ -73,6 +74,7 @@ class Core {
                   "Export it again as FBX 2011 or later, or as glTF or BVH.");
     for (const auto step : {&Core::collect_objects, &Core::collect_connections, &Core::check_tree, &Core::check_turns})
       if (Result<void> done = (this->*step)(); !done) return fail(std::move(done.error()));
+    if (mesh_ends) *mesh_ends = fbx_mesh_ends(file_, skin_parts());
     write();
     return out_.take();
   }
@@ -151,6 +153,33 @@ class Core {
       if (a->second.kind == Kind::model && (to == 0 || b->second.kind == Kind::model)) below_.emplace(to, from);
     }
     return {};
+  }
+
+  /// Name of a model as assimp gives it to the node: without the class that binary files append and ASCII files put in front.
+  static std::string node_name(const FbxRecord& model) {
+    std::string_view text = model.text(1);
+    text = text.substr(0, text.find('\0'));
+    if (text.starts_with("Model::")) text.remove_prefix(7);
+    return std::string(text);
+  }
+
+  /// The clusters of all skins with the mesh and the bone to which they are connected.
+  [[nodiscard]] std::vector<FbxSkinPart> skin_parts() const {
+    std::map<std::int64_t, std::int64_t> skin_of, mesh_of;  // of a cluster, of a skin
+    for (const Connection& c : connections_) {
+      const Kind from = objects_.at(c.from).kind;
+      if (from == Kind::cluster) skin_of[c.from] = c.to;
+      if (from == Kind::skin) mesh_of[c.from] = c.to;
+    }
+    std::vector<FbxSkinPart> out;
+    for (const Connection& c : connections_) {
+      if (c.to == 0 || objects_.at(c.from).kind != Kind::model || objects_.at(c.to).kind != Kind::cluster) continue;
+      const auto skin = skin_of.find(c.to);
+      const auto mesh = skin == skin_of.end() ? mesh_of.end() : mesh_of.find(skin->second);
+      if (mesh == mesh_of.end()) continue;
+      out.push_back({objects_.at(mesh->second).record, objects_.at(c.to).record, node_name(*objects_.at(c.from).record)});
+    }
+    return out;
   }
 
   /// Checks the hierarchy of models: no cycle, and not too many nodes.
@@ -337,8 +366,8 @@ class Core {
 
 }  // namespace
 
-Result<std::string> fbx_core(std::span<const std::byte> bytes, std::string_view location) {
-  return Core(location).make({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+Result<std::string> fbx_core(std::span<const std::byte> bytes, std::string_view location, std::map<std::string, Vec3>* mesh_ends) {
+  return Core(location).make({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, mesh_ends);
 }
 
 }  // namespace ugoki::scene_formats

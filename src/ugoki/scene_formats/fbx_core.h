@@ -2,11 +2,13 @@
 // Reduces an FBX file to its nodes, joints of skins and animations, and checks them before assimp reads them. Internal to scene_formats.
 
 #include <cstddef>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "ugoki/base/result.h"
+#include "ugoki/spatial/vec3.h"
 
 namespace ugoki::scene_formats {
 
@@ -15,6 +17,8 @@ namespace ugoki::scene_formats {
 /// mesh data (each mesh becomes one triangle, which is bound to all joints of its skin). Errors: records that exceed their parent record,
 /// truncated curves, key times that decrease, models that are their own ancestors.
 /// @param location name of the file, for error messages
-[[nodiscard]] Result<std::string> fbx_core(std::span<const std::byte> bytes, std::string_view location);
+/// @param mesh_ends if not null, receives the far ends of the bones (fbx_mesh_ends())
+[[nodiscard]] Result<std::string> fbx_core(std::span<const std::byte> bytes, std::string_view location,
+                                           std::map<std::string, Vec3>* mesh_ends = nullptr);
 
 }  // namespace ugoki::scene_formats

@@ -16,6 +16,7 @@ namespace ugoki::scene_formats {
 struct SceneOptions {
   double rate = 0;             ///< sampling rate of the animations, Hz; 0: the rate of the channel with the most closely spaced keys
   double metres_per_unit = 0;  ///< m per file unit of length; 0: as the file specifies
+  bool mesh_ends = false;      ///< FBX: gives joints without children the far ends of their meshes as end sites; otherwise they have none
   double seconds = 120;        ///< maximum time for reading, s
 };
 

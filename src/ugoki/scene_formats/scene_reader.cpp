@@ -43,8 +43,10 @@ struct Node {
 class SceneReader {
  public:
   /// @param collada_up up axis of a COLLADA file: 0 x, 1 y, 2 z
-  SceneReader(const aiScene& scene, std::string_view file_name, const SceneOptions& options, formats::ReadNotes& notes, int collada_up)
-      : scene_(scene), file_name_(file_name), options_(options), notes_(notes), collada_up_(collada_up) {}
+  /// @param mesh_ends by the name of the node: far end of the bone's mesh in the node's frame, file units
+  SceneReader(const aiScene& scene, std::string_view file_name, const SceneOptions& options, formats::ReadNotes& notes, int collada_up,
+              const std::map<std::string, Vec3>& mesh_ends)
+      : scene_(scene), file_name_(file_name), options_(options), notes_(notes), collada_up_(collada_up), mesh_ends_(mesh_ends) {}
 
   Result<std::vector<MeasuredMotion>> read() {
     if (!collect_nodes()) return fail(std::move(error_));
@@ -181,7 +183,23 @@ class SceneReader {
     frames_ = SceneJoints(R_, metres_);
     for (const std::size_t i : joints_) frames_.add(formats::utf8(nodes_[i].node->mName.C_Str()), parent_joint(i), nodes_[i].rest);
     frames_.skeleton().name = formats::stem_of(file_name_);
+    add_mesh_ends();
     for (const Node& n : nodes_) rest_locals_.push_back(affine_of(n.node->mTransformation));
+  }
+
+  /// Gives joints without children the far ends of their meshes as end sites.
+  void add_mesh_ends() {
+    std::vector<SkeletonJoint>& joints = frames_.skeleton().joints;
+    std::vector<char> carries(joints.size(), 0);
+    for (const SkeletonJoint& j : joints)
+      if (j.parent >= 0) carries[static_cast<std::size_t>(j.parent)] = 1;
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      const Node& node = nodes_[joints_[j]];
+      const auto end = mesh_ends_.find(node.node->mName.C_Str());
+      if (carries[j] != 0 || end == mesh_ends_.end()) continue;
+      const Vec3 site = R_ * (node.rest.M * end->second) * metres_;
+      if (is_finite(site) && norm(site) < formats::max_magnitude) joints[j].end_sites.push_back(site);
+    }
   }
 
   /// Returns the index of the closest ancestor joint; -1: none.
@@ -328,6 +346,7 @@ class SceneReader {
   const SceneOptions& options_;
   formats::ReadNotes& notes_;
   int collada_up_;
+  const std::map<std::string, Vec3>& mesh_ends_;
   Error error_;
   std::vector<Node> nodes_;
   std::map<std::string, int, std::less<>> index_;
@@ -357,7 +376,9 @@ Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::by
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // find_axes() converts the up axis, for all formats
-  const Result<std::string> core = fbx ? fbx_core(bytes, location) : collada_core(bytes, location);
+  std::map<std::string, Vec3> mesh_ends;
+  const Result<std::string> core =
+      fbx ? fbx_core(bytes, location, options.mesh_ends ? &mesh_ends : nullptr) : collada_core(bytes, location);
   if (!core) return fail(core.error());
   const aiScene* scene = importer.ReadFileFromMemory(core->data(), core->size(), 0, fbx ? "fbx" : "dae");
   if (!scene)
@@ -369,7 +390,7 @@ Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::by
   const std::size_t at = dae ? text.find("<up_axis>") : std::string_view::npos;
   const std::string_view axis = at == std::string_view::npos ? std::string_view("Y_UP") : text.substr(at + 9, 20);
   const int up = axis.find("Z_UP") != std::string_view::npos ? 2 : axis.find("X_UP") != std::string_view::npos ? 0 : 1;
-  return SceneReader(*scene, file_name, options, notes, up).read();
+  return SceneReader(*scene, file_name, options, notes, up, mesh_ends).read();
 }
 
 }  // namespace ugoki::scene_formats

@@ -1,0 +1,346 @@
+#include "ugoki/intake/four_legs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "ugoki/body/joint_names.h"
+#include "ugoki/body/limb_geometry.h"
+#include "ugoki/intake/conversion_report.h"
+#include "ugoki/intake/tree_edit.h"
+
+namespace ugoki::intake {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Finds the limbs of one skeleton. Lengths are compared with the skeleton's extent.
+class FourLegs {
+ public:
+  explicit FourLegs(std::span<MeasuredMotion> motions) : motions_(motions), s_(motions[0].skeleton), samples_(sample_poses(motions)) {
+    std::vector<std::string> names;
+    for (const SkeletonJoint& j : s_.joints) names.push_back(j.name);
+    evidence_ = body::read_joint_names(names);
+    children_.resize(s_.joints.size());
+    for (std::size_t i = 0; i < s_.joints.size(); ++i)
+      if (s_.joints[i].parent >= 0) children_[at(s_.joints[i].parent)].push_back(static_cast<int>(i));
+  }
+
+  std::vector<std::string> run() {
+    if (samples_.empty() || s_.joints.size() < 5) return {};
+    for (const auto& X : samples_) extent_ = std::max(extent_, extent_of(X));
+    find_feet();
+    find_limbs();
+    if (tops_.size() < 4 || !find_pairs()) return {};
+    find_joints();
+    if (!front_named_ && chest_ >= 0 && hips_ != chest_ && is_below(s_, hips_, chest_)) {  // the root is more likely at the hips
+      std::swap(fore_, hind_);
+      find_joints();
+    }
+    if (hips_ < 0 || chest_ < 0 || (chest_ != hips_ && !is_below(s_, chest_, hips_))) return {};
+    std::vector<int> new_parent(s_.joints.size(), -1);
+    std::vector<std::string> moved;
+    for (const auto& [limbs, joint] : {std::pair{&fore_, chest_}, {&hind_, hips_}})
+      for (const int top : *limbs) {
+        if (parent(top) == joint) continue;
+        if (!is_rigid(top, joint)) return {};
+        new_parent[at(top)] = joint;
+        moved.push_back(s_.joints[at(top)].name);
+      }
+    std::vector<std::string> report;
+    if (!moved.empty())
+      report.push_back("Limbs of one pair that are attached to different joints got the same joint: " + list_of(moved) + ".");
+    const int count = motions_[0].joint_count();
+    if (chest_ == hips_) add_chest(new_parent, report);
+    if (!has_head(new_parent)) add_head(report);
+    new_parent.resize(motions_[0].skeleton.joints.size(), -1);
+    if (report.empty() || motions_[0].joint_count() < count) return {};
+    reparent(motions_, new_parent);
+    return report;
+  }
+
+ private:
+  /// Finds the joints that carry both limbs of a pair.
+  void find_joints() {
+    hips_ = common(parent(hind_[0]), parent(hind_[1]));
+    chest_ = common(parent(fore_[0]), parent(fore_[1]));
+  }
+  [[nodiscard]] int parent(int i) const { return s_.joints[at(i)].parent; }
+  [[nodiscard]] int common(int i, int j) const {
+    for (; i >= 0; i = parent(i))
+      if (is_below(s_, j, i)) return i;
+    return -1;
+  }
+  [[nodiscard]] Vec3 tip(const std::vector<Pose>& X, int i) const {
+    Vec3 end;
+    const std::vector<Vec3>& sites = s_.joints[at(i)].end_sites;
+    for (const Vec3& e : sites) end += e / static_cast<double>(sites.size());
+    return X[at(i)] * end;
+  }
+  /// Mean position of all joints and the ends of a limb in a sample.
+  [[nodiscard]] Vec3 middle_of(const std::vector<Pose>& X, int top) const {
+    Vec3 sum;
+    double count = 0;
+    for (std::size_t i = at(top); i < children_.size(); ++i) {
+      if (!is_below(s_, static_cast<int>(i), top)) continue;
+      sum += children_[i].empty() ? tip(X, static_cast<int>(i)) : X[i].p;
+      count += 1;
+    }
+    return sum / count;
+  }
+  /// Mean position of a point in the frame of joint a. @param point function of the poses of a sample
+  template <class Point>
+  [[nodiscard]] Vec3 mean_in(int a, const Point& point) const {
+    Vec3 sum;
+    for (const auto& X : samples_) sum += X[at(a)].inverse() * point(X) / static_cast<double>(samples_.size());
+    return sum;
+  }
+  [[nodiscard]] Vec3 mean_in(int a, int joint) const {
+    return mean_in(a, [&](const std::vector<Pose>& X) { return X[at(joint)].p; });
+  }
+  /// True if a joint stays at one place relative to another in most frames.
+  [[nodiscard]] bool is_rigid(int joint, int other) const {
+    constexpr double rigid = 0.06, mostly = 0.8;  // shares of the extent and of the frames; the body holds the joint at its mean place
+    return quantile(deviations(samples_, at(joint), at(other)), mostly) < rigid * extent_;
+  }
+  /// True if joint i or a joint above it is part of a tail, wing, head or neck, or a control or face joint.
+  [[nodiscard]] bool is_no_limb(int i) const {
+    for (int k = i; k >= 0; k = parent(k)) {
+      const body::NameEvidence& e = evidence_[at(k)];
+      if (e.tail || e.wing || e.part == body::Part::head || e.part == body::Part::neck || (e.helper && !e.end)) return true;
+    }
+    return false;
+  }
+
+  /// True if the name of joint i or of a joint above it states a side and a fore or hind limb.
+  [[nodiscard]] bool is_named_limb(int i) const {
+    for (int k = i; k >= 0; k = parent(k))
+      if (evidence_[at(k)].side != 0 && (evidence_[at(k)].fore || evidence_[at(k)].hind)) return true;
+    return false;
+  }
+
+  /// Finds the ends of limbs: leaf joints with the name of a limb, or whose tip is near the lowest points of the character in a fifth of
+  /// the frames.
+  void find_feet() {
+    constexpr double near = 0.1, often = 0.2;
+    std::vector<std::vector<double>> heights(s_.joints.size());
+    std::vector<double> lowest;
+    for (const auto& X : samples_) {
+      double low = 1e300;
+      for (std::size_t i = 0; i < s_.joints.size(); ++i) {
+        if (!children_[i].empty() || is_no_limb(static_cast<int>(i))) continue;
+        heights[i].push_back(tip(X, static_cast<int>(i)).z);
+        low = std::min(low, heights[i].back());
+      }
+      lowest.push_back(low);
+    }
+    std::ranges::sort(lowest);
+    const double floor = quantile(lowest, often);
+    for (std::size_t i = 0; i < s_.joints.size(); ++i) {
+      if (heights[i].empty()) continue;
+      std::ranges::sort(heights[i]);
+      if (is_named_limb(static_cast<int>(i)) || quantile(heights[i], often) < floor + near * extent_) feet_.push_back(static_cast<int>(i));
+    }
+  }
+
+  /// Finds the first joint of the limb of each foot: the highest joint above it that carries nothing else of size.
+  void find_limbs() {
+    constexpr double same_foot = 0.15, small = 0.1, shortest = 0.12;
+    const auto alone = [&](int joint, int foot) {
+      const Vec3 own = tip(samples_[0], foot);
+      for (const int other : feet_)
+        if (is_below(s_, other, joint) && norm(tip(samples_[0], other) - own) > same_foot * extent_) return false;
+      for (int k = 0; k < motions_[0].joint_count(); ++k) {
+        if (!is_below(s_, k, joint) || evidence_[at(k)].helper) continue;
+        // Distance of the joint from the path to the foot.
+        int on = k;
+        while (on != joint && !is_below(s_, foot, on)) on = parent(on);
+        if (on != k && norm(samples_[0][at(k)].p - samples_[0][at(on)].p) > small * extent_ &&
+            norm(tip(samples_[0], k) - own) > same_foot * extent_)
+          return false;
+      }
+      return true;
+    };
+    std::vector<std::array<int, 2>> found;  // first joint and foot, the longest limb first
+    for (const int foot : feet_) {
+      int top = foot;
+      if (!alone(top, foot)) continue;
+      while (parent(top) >= 0 && parent(parent(top)) >= 0 && alone(parent(top), foot)) top = parent(top);
+      if (std::ranges::any_of(found, [&](const auto& f) { return f[0] == top; })) continue;
+      if (norm(tip(samples_[0], foot) - samples_[0][at(top)].p) > shortest * extent_) found.push_back({top, foot});
+    }
+    const auto length = [&](const std::array<int, 2>& limb) { return norm(tip(samples_[0], limb[1]) - samples_[0][at(limb[0])].p); };
+    std::ranges::sort(found, [&](const auto& a, const auto& b) { return length(a) != length(b) ? length(a) > length(b) : a < b; });
+    if (found.size() > 4) found.resize(4);
+    shorten(found);
+    for (const auto& limb : found) tops_.push_back(limb[0]);
+  }
+
+  /// Takes the last joint of the spine from a limb that is its only branch: a limb with more joints than two others begins further down.
+  /// @param limbs first joint and foot of each
+  void shorten(std::vector<std::array<int, 2>>& limbs) const {
+    std::vector<int> counts;
+    for (const auto& [top, foot] : limbs) {
+      counts.push_back(1);
+      for (int i = foot; i != top; i = parent(i)) ++counts.back();
+    }
+    std::vector<int> sorted = counts;
+    std::ranges::sort(sorted);
+    for (std::size_t k = 0; k < limbs.size(); ++k)
+      for (int extra = counts[k] - sorted[sorted.size() / 2]; extra > 0; --extra) {
+        int next = limbs[k][1];
+        while (parent(next) != limbs[k][0]) next = parent(next);
+        limbs[k][0] = next;
+      }
+  }
+
+  /// 1: a name in the limb states a fore limb, -1: a hind limb, 0: none.
+  [[nodiscard]] int named_end(int top) const {
+    int sum = 0, arms = 0;
+    for (int k = top; k < motions_[0].joint_count(); ++k) {
+      if (!is_below(s_, k, top)) continue;
+      sum += (evidence_[at(k)].fore ? 1 : 0) - (evidence_[at(k)].hind ? 1 : 0);
+      arms += body::is_arm(evidence_[at(k)].part) ? 1 : 0;
+    }
+    return sum != 0 ? (sum > 0 ? 1 : -1) : arms > 0 ? 1 : 0;
+  }
+
+  /// Divides the four limbs into fore and hind limbs. @return false if they form no two pairs
+  bool find_pairs() {
+    std::vector<int> named_fore, others;
+    for (const int t : tops_) (named_end(t) > 0 ? named_fore : others).push_back(t);
+    if (named_fore.size() == 2) {
+      fore_ = {named_fore[0], named_fore[1]};
+      hind_ = {others[0], others[1]};
+      front_named_ = true;
+      return true;
+    }
+    // By symmetry: the vectors between the limbs of the pairs are equal, and at right angles to the vector between the pairs.
+    const int frame = common(common(parent(tops_[0]), parent(tops_[1])), common(parent(tops_[2]), parent(tops_[3])));
+    if (frame < 0) return false;
+    std::array<Vec3, 4> p;
+    for (std::size_t k = 0; k < 4; ++k) p[k] = mean_in(frame, [&](const std::vector<Pose>& X) { return middle_of(X, tops_[k]); });
+    double best = 0.5;  // sum of the cosines and of the difference of lengths; 0: symmetric
+    std::array<std::size_t, 4> order{};
+    for (const std::array<std::size_t, 4>& o : {std::array<std::size_t, 4>{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 3, 1, 2}}) {
+      const Vec3 a = p[o[0]] - p[o[1]], b = p[o[2]] - p[o[3]], along = (p[o[0]] + p[o[1]] - p[o[2]] - p[o[3]]) * 0.5;
+      if (norm(a) < 1e-9 || norm(b) < 1e-9 || norm(along) < 1e-9) continue;
+      const double cost = std::fabs(dot(normalized(a), normalized(along))) + std::fabs(dot(normalized(b), normalized(along))) + 1 -
+                          std::fabs(dot(normalized(a), normalized(b))) + std::fabs(norm(a) - norm(b)) / (norm(a) + norm(b)) +
+                          0.1 * norm(a) / norm(along);  // a trunk is longer than wide
+      if (cost < best) {
+        best = cost;
+        order = o;
+      }
+    }
+    if (best >= 0.5) return false;
+    fore_ = {tops_[order[0]], tops_[order[1]]};
+    hind_ = {tops_[order[2]], tops_[order[3]]};
+    if (const std::optional<Vec3> front = front_point(frame); front) {
+      const Vec3 first = (p[order[0]] + p[order[1]]) * 0.5, second = (p[order[2]] + p[order[3]]) * 0.5;
+      if (dot(*front - (first + second) * 0.5, first - second) < 0) std::swap(fore_, hind_);
+    }
+    return true;
+  }
+
+  /// A point in front of the animal, in the frame of joint a: its head by name, else opposite to its tail, else the highest joint that is
+  /// no limb. std::nullopt if there is none.
+  [[nodiscard]] std::optional<Vec3> front_point(int a) {
+    std::optional<Vec3> tail, high;
+    double height = -1e300;
+    Vec3 middle;
+    for (const int t : tops_) middle += mean_in(a, t) * 0.25;
+    for (int i = 0; i < motions_[0].joint_count(); ++i) {
+      const body::NameEvidence& e = evidence_[at(i)];
+      if (e.part == body::Part::head) {
+        front_named_ = true;
+        return mean_in(a, i);
+      }
+      if (e.tail) tail = mean_in(a, i);
+      if (std::ranges::any_of(tops_, [&](int t) { return is_below(s_, i, t); }) || !is_below(s_, i, a) || e.tail) continue;
+      double z = 0;
+      for (const auto& X : samples_) z += tip(X, i).z;
+      if (z <= height) continue;
+      height = z;
+      high = mean_in(a, [&](const std::vector<Pose>& X) { return tip(X, i); });
+    }
+    front_named_ = tail.has_value();
+    return tail ? middle * 2 - *tail : high;
+  }
+
+  /// Adds a joint between the fore limbs, which carries them and the branches in front of them.
+  void add_chest(std::vector<int>& new_parent, std::vector<std::string>& report) {
+    const int place = motions_[0].joint_count();
+    const auto middle = [&](const std::array<int, 2>& limbs) { return (mean_in(hips_, limbs[0]) + mean_in(hips_, limbs[1])) * 0.5; };
+    const Vec3 front = middle(fore_), back = middle(hind_), along = front - back;
+    std::vector<std::string> names;
+    for (const int c : children_[at(hips_)]) {
+      const bool limb = c == fore_[0] || c == fore_[1];
+      const bool in_front = c != hind_[0] && c != hind_[1] && !evidence_[at(c)].tail &&
+                            dot(mean_in(hips_, c) - (front + back) * 0.5, along) > 0.25 * dot(along, along);
+      if (!limb && !in_front) continue;
+      new_parent[at(c)] = place;
+      names.push_back(s_.joints[at(c)].name);
+    }
+    const std::string name = s_.joints[at(hips_)].name + "_chest";
+    for (MeasuredMotion& m : motions_) append_rigid(m, name, hips_, front, {});
+    chest_ = place;
+    new_parent.push_back(-1);
+    for (const int limb : fore_)
+      if (new_parent[at(limb)] != place) {
+        new_parent[at(limb)] = place;
+        names.push_back(s_.joints[at(limb)].name);
+      }
+    samples_ = sample_poses(motions_);
+    report.push_back("All limbs have one common joint; a joint for the chest was added, which carries " + list_of(names) + ".");
+  }
+
+  /// True if the chest carries a branch that is neither limb nor tail. @param new_parent changes of the tree that are not yet made
+  [[nodiscard]] bool has_head(const std::vector<int>& new_parent) const {
+    constexpr double shortest = 0.05;
+    const auto now = [&](int i) { return at(i) < new_parent.size() && new_parent[at(i)] >= 0 ? new_parent[at(i)] : parent(i); };
+    for (int i = 0; i < motions_[0].joint_count(); ++i) {
+      if (i == chest_ || evidence_of(i).helper || evidence_of(i).tail) continue;
+      bool limb = false, below = false;
+      for (int k = i; k >= 0 && !below; k = now(k)) {
+        limb = limb || k == fore_[0] || k == fore_[1];
+        below = k == chest_;
+      }
+      if (below && !limb && norm(tip(samples_[0], i) - samples_[0][at(chest_)].p) > shortest * extent_) return true;
+    }
+    return false;
+  }
+  [[nodiscard]] body::NameEvidence evidence_of(int i) const { return at(i) < evidence_.size() ? evidence_[at(i)] : body::NameEvidence{}; }
+
+  /// Adds a neck and a head in front of the fore limbs, with the usual proportions of a dog.
+  void add_head(std::vector<std::string>& report) {
+    const auto middle = [&](const std::array<int, 2>& limbs) { return (mean_in(chest_, limbs[0]) + mean_in(chest_, limbs[1])) * 0.5; };
+    const Vec3 front = middle(fore_), along = front - middle(hind_);
+    const Vec3 up = mean_in(chest_, [&](const std::vector<Pose>& X) { return X[at(chest_)].p + Vec3{0, 0, norm(along)}; });
+    const std::string name = s_.joints[at(chest_)].name;
+    const int place = motions_[0].joint_count();
+    for (MeasuredMotion& m : motions_) {
+      append_rigid(m, name + "_neck", chest_, front + along * 0.15 + up * 0.15, {});
+      append_rigid(m, name + "_head", place, along * 0.2 + up * 0.1, {along * 0.25});
+    }
+    report.push_back("No head was found in front of the fore limbs; a neck and a head that do not turn were added to joint " + name + ".");
+  }
+
+  std::span<MeasuredMotion> motions_;
+  const Skeleton& s_;  ///< of the first motion; joints are only appended to it
+  std::vector<std::vector<Pose>> samples_;
+  std::vector<body::NameEvidence> evidence_;  ///< [joints of the file]
+  std::vector<std::vector<int>> children_;    ///< [joints of the file]
+  double extent_ = 0;                         ///< m
+  std::vector<int> feet_, tops_;
+  std::array<int, 2> fore_{-1, -1}, hind_{-1, -1};  ///< first joints of the limbs
+  int hips_ = -1, chest_ = -1;
+  bool front_named_ = false;  ///< names of limbs, head or tail state which limbs are in front
+};
+
+}  // namespace
+
+std::vector<std::string> complete_four_legs(std::span<MeasuredMotion> motions) { return FourLegs(motions).run(); }
+
+}  // namespace ugoki::intake
