@@ -162,6 +162,19 @@ TEST_F(OutputFilesCliTest, PageOfAFolderIsNotOverwrittenByEmbed) {
   does({"export", bvh, "--player", parts, "--embed", path("new")});
 }
 
+// Chromium opens the page of pictures in a window without tabs; the headless shell of Chromium has no windows and knows no option for that.
+TEST_F(OutputFilesCliTest, PicturesAreDrawnInAWindowWithoutTabs) {
+  const std::string page = R"(<html lang="en"><title>@UGOKI_TITLE@</title><script id="ugoki-engine"></script>@UGOKI_CONTENT@</html>)";
+  const std::string parts = fs::path(write("parts/player.html", page)).parent_path(), bvh = walk();
+  for (const auto& [name, begin] : {std::pair<std::string, std::string>{"chromium", "--app=file://"}, {"chromium-headless-shell", "file://"}}) {
+    const std::string browser = write(name, "#!/bin/sh\nfor word; do last=$word; done\necho \"$last\" >\"$0.word\"\n"), word = browser + ".word";
+    fs::permissions(browser, fs::perms::owner_all);
+    const Output out = ugoki({"export", bvh, "--player", parts, "--png", path("p.png"), "--browser", browser});
+    EXPECT_NE(out.err.find("The browser ended before all pictures were drawn."), std::string::npos) << out.err;
+    EXPECT_TRUE(read(word).starts_with(begin)) << name << ": " << read(word);
+  }
+}
+
 TEST_F(OutputFilesCliTest, NamesOfNativeProgramsDoNotActOnTheTerminal) {
   const std::string bvh = walk("evil\x1b[31m\u202e.bvh"), program = path("program");
   const std::string page = R"(<html lang="en"><title>@UGOKI_TITLE@</title><script id="ugoki-engine"></script>@UGOKI_CONTENT@</html>)";
