@@ -69,6 +69,9 @@ TEST(JointNames, NamesDistinguishHindLimbsAndControls) {
   EXPECT_TRUE(f[0].fore && f[0].side > 0 && f[0].part == Part::forearm);
   EXPECT_TRUE(f[1].hind && f[1].side < 0 && f[1].part == Part::shank);
   EXPECT_TRUE(!f[2].fore && f[3].hind);
+  const std::vector<std::string> corners = {"LegFLAnkle", "LegBR1", "spine"};
+  const std::vector<NameEvidence> c = read_joint_names(corners);
+  EXPECT_TRUE(c[0].fore && c[0].side > 0 && c[1].hind && c[1].side < 0);
 }
 
 TEST(Recognise, ThePartsDoNotDependOnTheRestPose) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "ugoki/body/recognise.h"
 #include "ugoki/intake/arrange.h"
@@ -195,6 +196,34 @@ TEST(FourLegs, AHeadlessDogOfOneBoneForEachLegIsFourLegged) {
     const auto x = [&](int i) { return X[static_cast<std::size_t>(i)].p.x; };
     EXPECT_GT(x(c.head), x(c.arms[0].proximal));
     EXPECT_GT(x(c.arms[0].proximal), x(c.legs[0].proximal));
+  }
+}
+
+/// A nameless creature with legs of 1.7 trunk lengths that has a level trunk (`pitch` 0) or an upright one (`pitch` -pi/2) and arms as
+/// long as its legs. @param knee angle by which the shanks of all limbs are bent backwards, rad
+std::vector<Bone> long_legged(bool level, double knee) {
+  const auto along = [&](double x, double y, double z) { return level ? Vec3{x, y, z} : Vec3{-z, y, x}; };
+  std::vector<Bone> b = {{"B0", -1, {0, 0, 1}, {}}, {"B1", 0, along(0.4, 0, 0), {}}, {"B2", 1, along(0.15, 0, 0.1), along(0.2, 0, 0)}};
+  for (const int from : {0, 1})
+    for (const double side : {1.0, -1.0}) {
+      const auto name = [&] { return "B" + std::to_string(b.size()); };
+      const int first = static_cast<int>(b.size());
+      b.push_back({name(), from, {0, 0.15 * side, 0}, {}});
+      b.push_back({name(), first, {0.01, 0, -0.34}, {}});
+      b.push_back({name(), first + 1, {-0.34 * std::sin(knee), 0, -0.34 * std::cos(knee)}, {0.06, 0, -0.03}});
+    }
+  return b;
+}
+
+// Nothing but the ground under the limbs distinguishes them: neither names nor tails, and the legs have the length of human legs.
+TEST(FourLegs, ALongLeggedAnimalOnFourLimbsIsNoPerson) {
+  for (const auto& [level, knee, plan] : {std::tuple{true, 0.1, body::BodyPlan::four_legs},
+                                          {true, 1.5, body::BodyPlan::human},  // crawls
+                                          {false, 0.1, body::BodyPlan::human}}) {
+    std::vector<MeasuredMotion> motions = {moving(long_legged(level, knee))};
+    std::vector<std::string> report;
+    const body::Character c = arrange(motions, report);
+    EXPECT_EQ(c.plan, plan) << level << " " << knee << " " << c.why_not << (c.decisions.empty() ? "" : c.decisions.back());
   }
 }
 

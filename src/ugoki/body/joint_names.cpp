@@ -275,6 +275,8 @@ NameEvidence evidence_of(const std::vector<std::string>& words) {
     if (is_digit(word[0])) continue;
     if (const int side = side_of_word(word); side != 0) {
       if (out.side == 0) out.side = side;
+      out.fore = out.fore || word == "fl" || word == "fr";
+      out.hind = out.hind || word == "hl" || word == "hr" || word == "bl" || word == "br";
       continue;
     }
     if (word == "lfront" || word == "lfore") out.side = 1;
@@ -291,10 +293,8 @@ NameEvidence evidence_of(const std::vector<std::string>& words) {
     out.wing = out.wing || word.find("wing") != std::string::npos || word.find("feather") != std::string::npos;
     out.paw = out.paw || word == "paw" || word == "hoof" || word == "claw" || word == "pfote" || word == "fetlock" || word == "pastern" ||
               word == "hock";
-    out.fore = out.fore || word == "front" || word == "fore" || word == "frt" || word == "anterior" || word == "forward" || word == "fl" ||
-               word == "fr";
-    out.hind = out.hind || word == "hind" || word == "rear" || word == "posterior" || word == "bck" || word == "hl" || word == "hr" ||
-               word == "bl" || word == "br";
+    out.fore = out.fore || word == "front" || word == "fore" || word == "frt" || word == "anterior" || word == "forward";
+    out.hind = out.hind || word == "hind" || word == "rear" || word == "posterior" || word == "bck";
     letter_f = letter_f || word == "f";
     letter_b = letter_b || word == "b";
     back = back || word == "back" || word == "backward";

@@ -19,13 +19,37 @@ void Recogniser::find_tail() {
   if (tail) f_.tail = tail->path;
 }
 
-int Recogniser::more_limbs() const {
-  int human_names = 0;
+int Recogniser::human_names() const {
+  int count = 0;
   for (const std::array<Limb, 2>* limbs : {&f_.legs, &f_.arms})
     for (const Limb& l : *limbs)
       for (const int i : {l.proximal, l.distal, l.end})
-        if (i >= 0 && name(i).part != Part::other && name(i).part == f_.parts[at(i)].part) ++human_names;
-  if (human_names >= 5) return 0;
+        if (i >= 0 && name(i).part != Part::other && name(i).part == f_.parts[at(i)].part) ++count;
+  return count;
+}
+
+bool Recogniser::stands_on_four() const {
+  constexpr double level = 0.5, below = 0.6, near = 0.2, mostly = 0.7;  // sine; shares of the length of a leg; share of the frames
+  int count = 0;
+  for (int f = 0; f < shape_.frames(); ++f) {
+    const auto end_of = [&](const Limb& l) {
+      int i = l.tip >= 0 ? l.tip : l.end >= 0 ? l.end : l.distal;
+      while (heir_[at(i)] >= 0) i = heir_[at(i)];
+      return shape_.tip(f, i).z;
+    };
+    const auto middle = [&](const std::array<Limb, 2>& l) { return (shape_.p(f, l[0].proximal) + shape_.p(f, l[1].proximal)) * 0.5; };
+    bool stands = std::fabs(normalized(middle(f_.arms) - middle(f_.legs)).z) < level;
+    for (std::size_t s = 0; s < 2; ++s) {
+      stands = stands && shape_.p(f, f_.legs[s].proximal).z - end_of(f_.legs[s]) > below * f_.leg_length;
+      stands = stands && std::fabs(end_of(f_.arms[s]) - end_of(f_.legs[s])) < near * f_.leg_length;
+    }
+    count += stands ? 1 : 0;
+  }
+  return count > mostly * shape_.frames();
+}
+
+int Recogniser::more_limbs() const {
+  if (human_names() >= 5) return 0;
   int count = 0;
   std::vector<int> used;
   for (const Pair& p : pairs_) {
@@ -88,6 +112,7 @@ void Recogniser::decide_plan() {
   }
   animal += f_.tail.empty() ? 0 : 0.8;
   animal += animal_names >= 2 ? 1 : 0;
+  animal += human_names() < 5 && stands_on_four() ? 1.2 : 0;
   // Animals whose joints have human names seldom have fingers. 3ds Max Biped names the toes of fore limbs fingers, but adds a tail.
   int fingers = 0;
   for (const NameEvidence& e : names_) fingers += !e.helper && (e.part == Part::fingers || e.part == Part::thumb) ? 1 : 0;

@@ -114,8 +114,9 @@ class Recogniser {
       }
   }
 
-  /// Counts controls of inverse kinematics that are part of a limb as joints of it: the control stays at the end of its parent's bone, has a
-  /// bone of its own, and the parent has no other child. (Rigs of games have a paw "IKBackLeg.L" with the toes, and no other joint there.)
+  /// Counts controls of inverse kinematics that are part of a limb as joints of it: the control stays at the end of its parent's bone, has
+  /// a bone of its own, and the parent has no other child. (Rigs of games have a paw "IKBackLeg.L" with the toes, and no other joint
+  /// there.)
   void find_driving_controls() {
     // Shares of the bone's length, of the frames, and of the length of the parent's bone. In animations of games a limb does not reach the
     // control in up to a fifth of the frames.
@@ -126,8 +127,7 @@ class Recogniser {
       const double length = shape_.bone_length(i);
       if (length < shortest * shape_.bone_length(p)) continue;
       int near = 0;
-      for (int f = 0; f < shape_.frames(); ++f)
-        near += std::fabs(norm(shape_.p(f, i) - shape_.p(f, p)) - length) < rigid * length ? 1 : 0;
+      for (int f = 0; f < shape_.frames(); ++f) near += std::fabs(norm(shape_.p(f, i) - shape_.p(f, p)) - length) < rigid * length ? 1 : 0;
       if (near < reached * shape_.frames()) continue;
       names_[at(i)].helper = names_[at(i)].control = false;
       names_[at(i)].part = Part::other;
@@ -514,6 +514,14 @@ class Recogniser {
   /// Number of further pairs of limbs: similar branches of the trunk, besides legs and arms, that are as long as limbs. 0 if the names are
   /// those of a human.
   [[nodiscard]] int more_limbs() const;
+
+  /// Number of joints of legs and arms whose names state the recognised part.
+  [[nodiscard]] int human_names() const;
+
+  /// True if the character stands on four limbs in most frames: the trunk is level, the legs are straight below the hips, and the ends of
+  /// the arms are as low as the ends of the legs. A crawling person has bent legs, and a person who bends over does so for a part of the
+  /// motion.
+  [[nodiscard]] bool stands_on_four() const;
 
   /// Chooses the body plan from the number of limbs, the inclination of the trunk, the proportions and the names.
   void decide_plan();
