@@ -174,6 +174,26 @@ TEST(FourLegs, LimbsOfAPairGetTheSameJoint) {
 }
 
 // Each leg is one bone whose end is known from the mesh, all legs and the tail are children of the body, and there is no head.
+// Exporters add a leaf at the end of each bone, which turns with it. Fore and hind limbs are on two branches of the root.
+TEST(FourLegs, LeavesAtTheEndsOfBonesAreNoJointsOfALimb) {
+  std::vector<Bone> b = {{"All", -1, {0, 0, 0.8}, {}},     {"Body", 0, {-0.5, 0, 0.1}, {}}, {"Head", 1, {1.1, 0, 0.3}, {}},
+                         {"Head_end", 2, {0.3, 0, 0}, {}}, {"Tail", 0, {-0.5, 0, 0.1}, {}}, {"Tail_end", 4, {-0.3, 0, 0.1}, {}},
+                         {"Holder", 0, {0.4, 0, 0}, {}},   {"Holder2", 0, {-0.4, 0, 0}, {}}};
+  for (const double fore : {1.0, -1.0})
+    for (const double side : {1.0, -1.0}) {
+      const std::string name = std::string(fore > 0 ? "FrontLeg." : "BackLeg.") + (side > 0 ? "L" : "R");
+      b.push_back({name, fore > 0 ? 6 : 7, {0.05 * fore, 0.15 * side, -0.1}, {}});
+      b.push_back({name + "_end", static_cast<int>(b.size()) - 1, {0.02, 0, -0.7}, {}});
+    }
+  std::vector<MeasuredMotion> motions = {moving(b)};
+  EXPECT_EQ(body::recognise_character(motions[0]).plan, body::BodyPlan::other);
+  std::vector<std::string> report;
+  const body::Character c = arrange(motions, report);
+  ASSERT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not;
+  EXPECT_NEAR(c.trunk_length, 0.9, 0.1);
+  EXPECT_NEAR(c.leg_length, 0.7, 0.1);
+}
+
 TEST(FourLegs, AHeadlessDogOfOneBoneForEachLegIsFourLegged) {
   for (const bool names : {true, false}) {
     std::vector<Bone> b = {{"root", -1, {}, {}}, {"body", 0, {0, 0, 0.5}, {0.3, 0, 0.2}}, {"tail", 1, {-0.4, 0, 0.1}, {-0.2, 0, 0.2}}};

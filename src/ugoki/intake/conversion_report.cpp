@@ -59,7 +59,8 @@ bool contains_any(const std::string& name, std::initializer_list<std::string_vie
   return std::ranges::any_of(words, [&](std::string_view w) { return low.find(w) != std::string::npos; });
 }
 
-/// Frames of a calibration pose are left out, because the conversion replaces them. Head and feet are found by joint name, because the anatomy of a character that lies at rest is not recognised.
+/// Frames of a calibration pose are left out, because the conversion replaces them. Head and feet are found by joint name, because the
+/// anatomy of a character that lies at rest is not recognised.
 MotionExtremes find_extremes(const MeasuredMotion& m) {
   int head = -1;
   std::vector<int> feet;

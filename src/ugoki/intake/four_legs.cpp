@@ -38,6 +38,8 @@ class FourLegs {
       std::swap(fore_, hind_);
       find_joints();
     }
+    if (hips_ >= 0 && chest_ >= 0 && !is_below(s_, chest_, hips_) && !is_below(s_, hips_, chest_))
+      hips_ = chest_ = common(hips_, chest_);  // limbs on two branches of one joint; the chest gets a joint of its own below
     if (hips_ < 0 || chest_ < 0 || (chest_ != hips_ && !is_below(s_, chest_, hips_))) return {};
     std::vector<int> new_parent(s_.joints.size(), -1);
     std::vector<std::string> moved;
@@ -120,6 +122,12 @@ class FourLegs {
     return false;
   }
 
+  /// Side that the name of joint i or of the closest joint above it states: 1 left, -1 right, 0 none.
+  [[nodiscard]] int side_of(int i) const {
+    while (i >= 0 && evidence_[at(i)].side == 0) i = parent(i);
+    return i < 0 ? 0 : evidence_[at(i)].side;
+  }
+
   /// Finds the ends of limbs: leaf joints with the name of a limb, or whose tip is near the lowest points of the character in a fifth of
   /// the frames.
   void find_feet() {
@@ -146,11 +154,12 @@ class FourLegs {
 
   /// Finds the first joint of the limb of each foot: the highest joint above it that carries nothing else of size.
   void find_limbs() {
-    constexpr double same_foot = 0.15, small = 0.1, shortest = 0.12;
+    constexpr double same_foot = 0.08, small = 0.1, shortest = 0.12;
     const auto alone = [&](int joint, int foot) {
       const Vec3 own = tip(samples_[0], foot);
       for (const int other : feet_)
-        if (is_below(s_, other, joint) && norm(tip(samples_[0], other) - own) > same_foot * extent_) return false;
+        if (is_below(s_, other, joint) && (side_of(other) * side_of(foot) < 0 || norm(tip(samples_[0], other) - own) > same_foot * extent_))
+          return false;
       for (int k = 0; k < motions_[0].joint_count(); ++k) {
         if (!is_below(s_, k, joint) || evidence_[at(k)].helper) continue;
         // Distance of the joint from the path to the foot.
@@ -269,6 +278,14 @@ class FourLegs {
     return tail ? middle * 2 - *tail : high;
   }
 
+  /// True if joint i or a joint below it is named a neck or head.
+  [[nodiscard]] bool carries_head(int i) const {
+    for (std::size_t k = at(i); k < evidence_.size(); ++k)
+      if ((evidence_[k].part == body::Part::head || evidence_[k].part == body::Part::neck) && is_below(s_, static_cast<int>(k), i))
+        return true;
+    return false;
+  }
+
   /// Adds a joint between the fore limbs, which carries them and the branches in front of them.
   void add_chest(std::vector<int>& new_parent, std::vector<std::string>& report) {
     const int place = motions_[0].joint_count();
@@ -278,7 +295,7 @@ class FourLegs {
     for (const int c : children_[at(hips_)]) {
       const bool limb = c == fore_[0] || c == fore_[1];
       const bool in_front = c != hind_[0] && c != hind_[1] && !evidence_[at(c)].tail &&
-                            dot(mean_in(hips_, c) - (front + back) * 0.5, along) > 0.25 * dot(along, along);
+                            (carries_head(c) || dot(mean_in(hips_, c) - (front + back) * 0.5, along) > 0.25 * dot(along, along));
       if (!limb && !in_front) continue;
       new_parent[at(c)] = place;
       names.push_back(s_.joints[at(c)].name);

@@ -33,9 +33,13 @@ std::vector<std::string> add_limb_ends(std::span<MeasuredMotion> motions) {
   const std::vector<int> children = child_counts(s);
   for (std::size_t i = 0; i < s.joints.size(); ++i) {
     if (children[i] > 0 || s.joints[i].parent < 0) continue;
-    std::vector<int> limb;  // from the end to the joint below the trunk
+    // A leaf that marks the end of its parent's bone ("Leg_end") is no joint of the limb.
+    const int above = s.joints[i].parent;
+    const bool marks_end = evidence[i].end && !evidence[i].control && children[at(above)] == 1 && norm(s.joints[i].offset) > 1e-6;
+    const int last = marks_end ? above : static_cast<int>(i);
+    std::vector<int> limb;  // from the last joint to the joint below the trunk
     bool other = false;
-    for (int k = static_cast<int>(i); k >= 0 && (k == static_cast<int>(i) || children[at(k)] == 1); k = s.joints[at(k)].parent) {
+    for (int k = last; k >= 0 && (k == last || children[at(k)] == 1); k = s.joints[at(k)].parent) {
       const body::NameEvidence& name = evidence[at(k)];
       other = other || name.helper || name.tail || name.wing || name.part == body::Part::head || name.part == body::Part::neck;
       if (s.joints[at(k)].parent >= 0) limb.push_back(k);
@@ -43,19 +47,21 @@ std::vector<std::string> add_limb_ends(std::span<MeasuredMotion> motions) {
     if (other || limb.empty() || limb.size() > 2) continue;
     Vec3 end;
     for (const Vec3& e : s.joints[i].end_sites) end += e / static_cast<double>(s.joints[i].end_sites.size());
+    if (marks_end) end = s.joints[i].offset;
     if (norm(end) < 1e-6 && limb.size() == 2) end = s.joints[i].offset;
     if (norm(end) < 1e-6) continue;
-    names.push_back(s.joints[i].name);
+    const std::string& name = s.joints[at(last)].name;
+    names.push_back(name);
     for (MeasuredMotion& m : motions) {
-      int parent = static_cast<int>(i);
-      m.skeleton.joints[i].end_sites.clear();
+      int parent = last;
+      m.skeleton.joints[at(last)].end_sites.clear();
       Vec3 rest = end;
       if (limb.size() == 1) {
-        append_rigid(m, s.joints[i].name + "_2", parent, end * 0.5, {});
+        append_rigid(m, name + "_2", parent, end * 0.5, {});
         parent = static_cast<int>(m.skeleton.joints.size()) - 1;
         rest = end * 0.5;
       }
-      append_rigid(m, s.joints[i].name + "_3", parent, rest * ankle, {rest * (1 - ankle)});
+      append_rigid(m, name + "_3", parent, rest * ankle, {rest * (1 - ankle)});
     }
   }
   return names;
