@@ -78,6 +78,7 @@ std::vector<std::pair<std::string, double*>> parameters(control::BalanceOptions&
           {"early", &o.early},
           {"hurry", &o.hurry},
           {"landing", &o.landing},
+          {"jump-landing", &o.jump_landing},
           {"push-off", &o.push_off},
           {"limit-time", &o.limit_time},
           {"turn-time", &o.turn_time},

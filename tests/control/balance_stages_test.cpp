@@ -222,6 +222,33 @@ TEST(BalanceControl, ReferenceLandsWhenTheCharacterLands) {
   EXPECT_NEAR(s.memory.time, end, 0.03);
 }
 
+TEST(BalanceControl, FeetThatLandTogetherCatchTheDriftOfTheJump) {
+  // The character jumps ahead at 0.3 m/s, the reference jumps in place. Both feet land together, so no further step catches this drift.
+  const Walker w;
+  const auto jump = std::make_shared<const ChangedStand>(
+      w, 3, [&](double t, std::span<double> q) { displace_root(*w.body.mechanism, {0, 0, jump_height(t, 2), 0}, q); });
+  Simulation s(w.body.mechanism, jump);
+  const double start = 0.56, drift = 0.3;  // s: in the reference, the feet are in the air; m/s
+  std::vector<double> a(s.state.v.size());
+  jump->sample(start, s.state.q, s.state.v, a);
+  s.state.v[3] += drift;
+  s.memory.started = 1;
+  s.memory.time = start;
+  for (int i = 0; i < 400 && !s.memory.feet[0].stands && !s.memory.feet[1].stands; ++i) {
+    s.step();
+    if (HasFatalFailure()) return;
+  }
+  std::vector<Pose> X(static_cast<std::size_t>(s.m->link_count()));
+  calc_poses(*s.m, s.state.q, X);
+  const double w0 = std::sqrt(9.81 / centre_of_mass(*s.m, X).z);
+  for (std::size_t f = 0; f < 2; ++f) EXPECT_NEAR(s.memory.feet[f].shift[0], 0.8 * drift / w0, 0.015);
+  for (int i = 0; i < 500; ++i) {
+    s.step();
+    if (HasFatalFailure()) return;
+    ASSERT_LT(s.below(), 0.1) << "time " << s.memory.clock;
+  }
+}
+
 /// A fixed plate of 40 m x 40 m, with its top at z = 0 in x = 1 m, and the given slope along x, rad.
 MechanismPtr plate(double slope) {
   LinkSpec link;

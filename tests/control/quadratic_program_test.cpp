@@ -117,6 +117,25 @@ TEST(QuadraticProgram, MatchesExactRationalSolver) {
   }
 }
 
+TEST(QuadraticProgram, ConvergesWithManyNearlyParallelLimits) {
+  // Limits whose rows are nearly parallel: in a Newton step for all of them, some multipliers would get the wrong sign.
+  std::mt19937_64 engine(5);
+  QuadraticProgram program;
+  for (int trial = 0; trial < 200; ++trial) {
+    Program p(6, 8, 2, 2, 8, engine);
+    p.eps = 1e-4;
+    for (std::size_t r = 5; r < p.rows.size(); ++r) {
+      for (std::size_t i = 0; i < p.rows[r].c.size(); ++i) p.rows[r].c[i] = p.rows[4].c[i] + 0.05 * p.rows[r].c[i];
+      for (std::size_t k = 0; k < p.rows[r].g.size(); ++k) p.rows[r].g[k] = p.rows[4].g[k] + 0.05 * p.rows[r].g[k];
+    }
+    p.give(program);
+    EXPECT_TRUE(program.solve()) << "trial " << trial;
+    if (trial % 10 != 0) continue;
+    const std::vector<double> exact = solve_exactly(p);
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(program.x()[i], exact[i], 1e-6) << "trial " << trial;
+  }
+}
+
 TEST(QuadraticProgram, StartAndLaterBalancesDoNotChangeTheSolution) {
   std::mt19937_64 engine(11);
   std::uniform_real_distribution<double> unit(-1, 1);

@@ -60,7 +60,8 @@ struct BalanceOptions {
   double step_clearance = 0.05;   ///< m: height of a reaction step
   double separation = 0.14;       ///< m: minimum lateral distance of the feet after a reaction step
   double push_off = 0.1;          ///< body weights: the feet lift to a flight only when the reference needs less ground force
-  double landing = 0.4;           ///< factor on the DCM error in the shift of a landing after a flight
+  double landing = 0.4;           ///< factor on the DCM error in the shift of a landing after a flight, if another foot steps afterwards
+  double jump_landing = 0.8;      ///< the same factor if all feet land together, so that no further step corrects the error
   double early = 0.6;             ///< fraction of the swing after which a touching foot stands
   double early_rate = 1.6, late_rate = 1;  ///< rate of the reference's time after an early touch-down, and while a touch-down is late
   double limit_time = 0.02;                ///< s: a joint keeps its limits for this time ahead, at constant acceleration

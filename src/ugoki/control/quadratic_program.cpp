@@ -192,6 +192,60 @@ double QuadraticProgram::objective(std::span<const double> z, std::span<double> 
   return value;
 }
 
+/// Newton step for the first `count` balances of free_.
+void QuadraticProgram::find_step(std::size_t count) {
+  for (std::size_t a = 0; a < count; ++a) {
+    const auto r = static_cast<std::size_t>(free_[a]);
+    step_[a] = -value_[r];
+    for (std::size_t b = a; b < count; ++b) h_[a * stride_ + b] = k_[r * stride_ + static_cast<std::size_t>(free_[b])];
+  }
+  for (std::size_t k = 0; k < m_; ++k) {
+    if (!(edge_[k] > 0)) continue;
+    for (std::size_t a = 0; a < count; ++a) {
+      const double f = bg_[static_cast<std::size_t>(free_[a]) * m_ + k] / eps_;
+      if (f == 0) continue;
+      for (std::size_t b = a; b < count; ++b) h_[a * stride_ + b] += f * bg_[static_cast<std::size_t>(free_[b]) * m_ + k];
+    }
+  }
+  factor(h_.data(), count, stride_);
+  solve_lower(h_.data(), count, stride_, step_.data());
+  solve_upper(h_.data(), count, stride_, step_.data());
+}
+
+/// Sets trial_ to the minimum of the objective on the line from z_ along step_, up to the point where the first multiplier becomes zero.
+void QuadraticProgram::search_line(std::size_t count) {
+  double end = 1, slope = 0, curvature = 0;  // of the objective without its loads, at z_ and along the step
+  std::size_t first = count;
+  std::fill_n(trial_edge_.begin(), m_, 0.0);  // change of the edges along the step
+  for (std::size_t a = 0; a < count; ++a) {
+    const auto r = static_cast<std::size_t>(free_[a]);
+    if (lower_[r] < upper_[r] && (z_[r] + end * step_[a]) * sign_[r] < 0) {
+      end = -z_[r] / step_[a];
+      first = a;
+    }
+    slope += value_[r] * step_[a];
+    for (std::size_t b = 0; b < count; ++b) curvature += step_[a] * k_[r * stride_ + static_cast<std::size_t>(free_[b])] * step_[b];
+    for (std::size_t k = 0; k < m_; ++k) trial_edge_[k] += bg_[r * m_ + k] * step_[a];
+  }
+  for (std::size_t k = 0; k < m_; ++k)
+    if (edge_[k] > 0) slope -= edge_[k] * trial_edge_[k] / eps_;
+  const auto slope_at = [&](double t) {
+    double sum = slope + curvature * t;
+    for (std::size_t k = 0; k < m_; ++k) sum += std::max(0.0, edge_[k] + t * trial_edge_[k]) * trial_edge_[k] / eps_;
+    return sum;
+  };
+  double low = 0, high = end;
+  if (slope_at(end) > 0) {
+    first = count;
+    for (int k = 0; k < 50; ++k) (slope_at(0.5 * (low + high)) > 0 ? high : low) = 0.5 * (low + high);
+  }
+  std::copy_n(z_.begin(), balances_, trial_.begin());
+  for (std::size_t a = 0; a < count; ++a) {
+    const auto r = static_cast<std::size_t>(free_[a]);
+    trial_[r] = a == first ? 0 : z_[r] + high * step_[a];
+  }
+}
+
 bool QuadraticProgram::solve(std::span<const double> start) {
   if (!factored_) factor_equations();
   for (; eliminated_ < balances_; ++eliminated_) {
@@ -229,43 +283,39 @@ bool QuadraticProgram::solve(std::span<const double> start) {
       converged = true;
       break;
     }
-    // Newton step for the free balances
-    for (std::size_t a = 0; a < count; ++a) {
-      const auto r = static_cast<std::size_t>(free_[a]);
-      step_[a] = -value_[r];
-      for (std::size_t b = a; b < count; ++b) h_[a * stride_ + b] = k_[r * stride_ + static_cast<std::size_t>(free_[b])];
-    }
-    for (std::size_t k = 0; k < m_; ++k) {
-      if (!(edge[k] > 0)) continue;
-      for (std::size_t a = 0; a < count; ++a) {
-        const double f = bg_[static_cast<std::size_t>(free_[a]) * m_ + k] / eps_;
-        if (f == 0) continue;
-        for (std::size_t b = a; b < count; ++b) h_[a * stride_ + b] += f * bg_[static_cast<std::size_t>(free_[b]) * m_ + k];
-      }
-    }
-    factor(h_.data(), count, stride_);
-    solve_lower(h_.data(), count, stride_, step_.data());
-    solve_upper(h_.data(), count, stride_, step_.data());
-    double length = 1;
-    bool moved = false;
-    for (int tries = 0; tries < 40; ++tries, length *= 0.5) {
-      std::ranges::copy(z, trial.begin());
-      double decrease = 0;  // predicted by the linear model
+    // An inequality whose multiplier is zero and would get the wrong sign is not free: the others would move as if it moved with them.
+    for (std::size_t before = count + 1; count < before;) {
+      before = count;
+      find_step(count);
+      std::size_t kept = 0;
       for (std::size_t a = 0; a < count; ++a) {
         const auto r = static_cast<std::size_t>(free_[a]);
-        double next = z[r] + length * step_[a];
-        if (lower_[r] < upper_[r] && next * sign_[r] < 0) next = 0;  // the multiplier of an inequality must not change its sign
-        decrease += value_[r] * (next - z[r]);
-        trial[r] = next;
+        if (lower_[r] < upper_[r] && z[r] == 0 && step_[a] * sign_[r] < 0) continue;
+        step_[kept] = step_[a];
+        free_[kept++] = free_[a];
       }
-      const double next_value = objective(trial, trial_edge);
-      if (next_value <= value + 1e-4 * decrease || (tries > 0 && next_value < value)) {
-        moved = true;
-        value = next_value;
-        std::ranges::copy(trial, z.begin());
-        std::ranges::copy(trial_edge, edge.begin());
-        break;
-      }
+      count = kept;
+    }
+    // The full step with the multipliers projected to their sign comes first. If it does not decrease the objective enough, the minimum
+    // along the straight step does, up to the point where the first multiplier becomes zero.
+    double decrease = 0;  // predicted by the linear model
+    std::ranges::copy(z, trial.begin());
+    for (std::size_t a = 0; a < count; ++a) {
+      const auto r = static_cast<std::size_t>(free_[a]);
+      trial[r] = z[r] + step_[a];
+      if (lower_[r] < upper_[r] && trial[r] * sign_[r] < 0) trial[r] = 0;
+      decrease += value_[r] * (trial[r] - z[r]);
+    }
+    double next_value = objective(trial, trial_edge);
+    if (next_value > value + 1e-4 * decrease) {
+      search_line(count);
+      next_value = objective(trial, trial_edge);
+    }
+    const bool moved = next_value < value;
+    if (moved) {
+      value = next_value;
+      std::ranges::copy(trial, z.begin());
+      std::ranges::copy(trial_edge, edge.begin());
     }
     if (!moved) {  // rounding errors prevent a further decrease
       converged = residual_ <= 1e-6 * scale;

@@ -62,6 +62,8 @@ class QuadraticProgram {
  private:
   void factor_equations();
   void eliminate(std::size_t balance);
+  void find_step(std::size_t count);
+  void search_line(std::size_t count);
   double objective(std::span<const double> z, std::span<double> edge) const;
   void recover();
 

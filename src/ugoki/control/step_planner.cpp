@@ -13,6 +13,14 @@ namespace {
 /// shift (e^x - 1) / x. This error is zero for shift = factor * E.
 double transfer_factor(double x) { return x < 1e-3 ? 1 + 0.5 * x : x * exp(x) / (exp(x) - 1); }
 
+/// Share of the DCM error by which a foot that lands at time t [s] after a flight is shifted.
+double landing_share(const BalanceModel& model, double t) {
+  constexpr double together = 0.15;  // s: feet that land within this time land together
+  for (std::size_t f = 0; f < model.feet.size(); ++f)
+    if (!model.schedule.at(f, t + together).stands) return model.options.landing;
+  return model.options.jump_landing;
+}
+
 }  // namespace
 
 void StepPlanner::start_reaction(const BalanceModel& model, GroundSupport& support, double dt, BalanceState& state) {
@@ -100,7 +108,8 @@ void StepPlanner::update_shifts(const BalanceModel& model, GroundSupport& suppor
       for (int k = 0; k < 2; ++k) foot.shift[k] += (shift[k] - foot.shift[k]) * std::min(1.0, dt / model.options.shift_time);
       continue;
     }
-    Vec3 shift = model.flight(state) ? dcm_error * model.options.landing + horizontal(model.centroid.velocity - model.want.velocity) * rest
+    Vec3 shift = model.flight(state) ? dcm_error * landing_share(model, planned.end) +
+                                           horizontal(model.centroid.velocity - model.want.velocity) * rest
                                      : dcm_error * (exp(model.options.shift_growth * rest) *
                                                     transfer_factor(model.w0 * std::min(double_support, model.options.max_transfer)));
     if (norm(shift) > model.options.max_shift) shift = shift * (model.options.max_shift / norm(shift));
