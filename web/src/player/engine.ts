@@ -4,6 +4,7 @@ import type { FilmCamera, FilmShot } from '../core/film';
 import type { Look, Material } from '../core/look';
 import type { Devices, InputMessage } from '../core/play_controls';
 import type { MechanismData, Vec3 } from '../core/protocol';
+import type { PlanarConverter } from '../view/planar_reader';
 
 export interface SceneCharacter extends Material {
   id: string;
@@ -74,5 +75,7 @@ export interface Engine {
   recorded(): RecordedInput[] | Promise<RecordedInput[]>;
   /** Hash of the positions and velocities of all characters, 16 hexadecimal digits. */
   state_hash(): string | Promise<string>;
+  /** Converter for pictures of this size (px, even). Absent if the engine is not in this page. */
+  planar_converter?(width: number, height: number): PlanarConverter;
   dispose(): void;
 }

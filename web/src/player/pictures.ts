@@ -76,7 +76,7 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
     }
   };
   const gl = view.stage.renderer.getContext() as WebGL2RenderingContext;
-  const planar = settings.raw === 'planar' && fits_planar(width, height) ? new PlanarReader(gl, width, height) : null;
+  const planar = settings.raw === 'planar' && fits_planar(width, height) ? new PlanarReader(gl, width, height, engine.planar_converter!(width, height)) : null;
   const pixels = new Uint8Array(planar && settings.blur === 1 ? 0 : 4 * width * height);
   const sums = settings.blur > 1 ? new Uint32Array(pixels.length) : null;
   const flat = document.createElement('canvas');

@@ -2,6 +2,7 @@
 import { decode_frame, type Frame } from '../core/frames';
 import { read_devices, type Devices, type InputMessage } from '../core/play_controls';
 import type { Vec3 } from '../core/protocol';
+import type { PlanarConverter } from '../view/planar_reader';
 import type { Engine, RecordedInput, Scene } from './engine';
 
 interface Exports {
@@ -9,6 +10,7 @@ interface Exports {
   _initialize(): void;
   ugoki_allocate(size: number): number;
   ugoki_release(address: number): void;
+  ugoki_planar(rgba: number, width: number, height: number, out: number): void;
   ugoki_open(address: number, size: number): number;
   ugoki_step(count: number): number;
   ugoki_reset(): void;
@@ -137,6 +139,20 @@ export class WasmEngine implements Engine {
   state_hash(): string {
     const half = (value: number): string => (value >>> 0).toString(16).padStart(8, '0');
     return half(this.wasm.ugoki_hash_high()) + half(this.wasm.ugoki_hash_low());
+  }
+  planar_converter(width: number, height: number): PlanarConverter {
+    const { wasm } = this;
+    const size = 4 * width * height;
+    const rgba = wasm.ugoki_allocate(size);
+    const planes = wasm.ugoki_allocate((3 * size) / 8);
+    if (rgba === 0 || planes === 0) throw new EngineError('Pictures of this size do not fit into the memory of the player.');
+    return {
+      input: () => new Uint8Array(wasm.memory.buffer, rgba, size),
+      convert: (out) => {
+        wasm.ugoki_planar(rgba, width, height, planes);
+        out.set(new Uint8Array(wasm.memory.buffer, planes, out.length));
+      },
+    };
   }
   dispose(): void {
     // The browser frees the memory of the module with the instance.

@@ -4,48 +4,13 @@
 export const fits_planar = (width: number, height: number): boolean => width % 2 === 0 && height % 2 === 0;
 
 const poll_time = 2; // time between two questions whether the picture is drawn, ms
-const one = 1 << 16; // fixed-point numbers have 16 bits behind the point
-
-/** Coefficient of a colour difference to a colour value, for the matrix and limited range of ITU-R BT.709 (luma 16 ... 235, chroma 16 ... 240). */
-const fixed = (value: number): number => Math.round(value * one);
-const [luma_r, luma_g, luma_b] = [0.2126, 0.7152, 0.0722].map((k) => fixed((k * 219) / 255)) as [number, number, number];
-// The chroma values are computed from the sum of 2 x 2 pixels, hence the factor 1/4.
-const chroma = (scale: number, r: number, g: number, b: number): [number, number, number] => [r, g, b].map((k) => fixed((k * 224) / 255 / scale / 4)) as [number, number, number];
-const [cb_r, cb_g, cb_b] = chroma(1.8556, -0.2126, -0.7152, 1 - 0.0722);
-const [cr_r, cr_g, cr_b] = chroma(1.5748, 1 - 0.2126, -0.7152, -0.0722);
-
-/**
- * Converts a picture by the matrix of ITU-R BT.709 with limited range. Chroma is the mean of 2 x 2 pixels, at their centre.
- * @param rgba rows from the bottom to the top, as WebGL reads them
- * @param out luma, then Cb, then Cr, each row by row from the top; (3 * width * height) / 2 bytes
- */
-export function to_planar(rgba: Uint8Array, width: number, height: number, out: Uint8Array): void {
-  const pixels = new Uint32Array(rgba.buffer, rgba.byteOffset, width * height); // little-endian: red is the lowest byte
-  const half = width >> 1;
-  let cb = width * height;
-  let cr = cb + (cb >> 2);
-  for (let y = 0; y < height; y += 2) {
-    let upper = (height - 1 - y) * width;
-    let lower = upper - width;
-    let at = y * width;
-    for (let x = 0; x < half; x++, at += 2) {
-      const a = pixels[upper++]!;
-      const b = pixels[upper++]!;
-      const c = pixels[lower++]!;
-      const d = pixels[lower++]!;
-      out[at] = luma(a);
-      out[at + 1] = luma(b);
-      out[at + width] = luma(c);
-      out[at + width + 1] = luma(d);
-      const red = (a & 255) + (b & 255) + (c & 255) + (d & 255);
-      const green = ((a >>> 8) & 255) + ((b >>> 8) & 255) + ((c >>> 8) & 255) + ((d >>> 8) & 255);
-      const blue = ((a >>> 16) & 255) + ((b >>> 16) & 255) + ((c >>> 16) & 255) + ((d >>> 16) & 255);
-      out[cb++] = (cb_r * red + cb_g * green + cb_b * blue + 128.5 * one) >> 16;
-      out[cr++] = (cr_r * red + cr_g * green + cr_b * blue + 128.5 * one) >> 16;
-    }
-  }
+/** Converts pictures from RGBA to planar YCbCr 4:2:0 by the matrix of ITU-R BT.709 with limited range. */
+export interface PlanarConverter {
+  /** Where convert() finds a picture: rows from the bottom to the top, as WebGL reads them. Valid until the next call of another method. */
+  input(): Uint8Array<ArrayBuffer>;
+  /** Converts the picture in input(). @param out luma, then Cb, then Cr, each row by row from the top; (3 * width * height) / 2 bytes */
+  convert(out: Uint8Array<ArrayBuffer>): void;
 }
-const luma = (p: number): number => (luma_r * (p & 255) + luma_g * ((p >>> 8) & 255) + luma_b * ((p >>> 16) & 255) + 16.5 * one) >> 16;
 
 /** A copy of a drawn picture that waits to be read. */
 interface Kept {
@@ -61,17 +26,14 @@ export class PlanarReader {
   private readonly spare: WebGLBuffer[] = [];
   private readonly spare_frames: Kept[] = [];
   private readonly spare_outputs: Uint8Array<ArrayBuffer>[] = [];
-  private readonly rgba: Uint8Array<ArrayBuffer>;
   /** Starts reading the picture that was kept last. */
   private start: (() => void) | null = null;
 
-  /** @param width, height size of the context's canvas in px; fits_planar() must be true */
-  constructor(private readonly gl: WebGL2RenderingContext, private readonly width: number, private readonly height: number) {
-    this.rgba = new Uint8Array(4 * width * height);
-  }
+  /** @param width, height size of the context's canvas in px; fits_planar() must be true  @param converter for pictures of this size */
+  constructor(private readonly gl: WebGL2RenderingContext, private readonly width: number, private readonly height: number, private readonly converter: PlanarConverter) {}
 
   /**
-   * Returns the picture that was drawn last, in the form of to_planar(). Further pictures may be drawn at once. The promise is fulfilled only
+   * Returns the picture that was drawn last, as PlanarConverter.convert() writes it. Further pictures may be drawn at once. The promise is fulfilled only
    * after the next call of read() or finish(). Give the array back by reuse() when it is no longer needed.
    */
   read(): Promise<Uint8Array<ArrayBuffer>> {
@@ -116,11 +78,11 @@ export class PlanarReader {
     while (gl.clientWaitSync(drawn, 0, 0) === gl.TIMEOUT_EXPIRED) await new Promise((done) => setTimeout(done, poll_time));
     gl.deleteSync(drawn);
     gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
-    gl.getBufferSubData(gl.PIXEL_PACK_BUFFER, 0, this.rgba);
+    gl.getBufferSubData(gl.PIXEL_PACK_BUFFER, 0, this.converter.input());
     gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
     this.spare.push(buffer);
     const out = this.spare_outputs.pop() ?? new Uint8Array((3 * width * height) / 2);
-    to_planar(this.rgba, width, height, out);
+    this.converter.convert(out);
     return out;
   }
 
@@ -139,7 +101,7 @@ export class PlanarReader {
     const { gl } = this;
     const buffer = gl.createBuffer();
     gl.bindBuffer(gl.PIXEL_PACK_BUFFER, buffer);
-    gl.bufferData(gl.PIXEL_PACK_BUFFER, this.rgba.length, gl.STREAM_READ);
+    gl.bufferData(gl.PIXEL_PACK_BUFFER, 4 * this.width * this.height, gl.STREAM_READ);
     return buffer;
   }
 }

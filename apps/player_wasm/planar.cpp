@@ -1,0 +1,66 @@
+#include "planar.h"
+
+#include <bit>
+#include <cstddef>
+
+namespace ugoki::player_wasm {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "red is the lowest byte of a pixel");
+
+// Fixed-point numbers with 16 bits behind the point.
+constexpr double one = 1 << 16;
+constexpr std::int32_t fixed(double value) { return static_cast<std::int32_t>(value * one + (value < 0 ? -0.5 : 0.5)); }
+
+/// Weights of red, green and blue in luma, ITU-R BT.709 item 3.2.
+constexpr double weights[3] = {0.2126, 0.7152, 0.0722};
+struct Row {
+  std::int32_t red, green, blue, offset;
+};
+/// Row of the matrix for a sum of `pixels` pixels, with the offset that rounds. `range`: levels of the result for a full change.
+constexpr Row row(double range, double pixels, double red, double green, double blue, double offset) {
+  const double scale = range / 255 / pixels;
+  return {fixed(red * scale), fixed(green * scale), fixed(blue * scale), fixed(offset + 0.5)};
+}
+constexpr Row luma = row(219, 1, weights[0], weights[1], weights[2], 16);
+constexpr Row cb = row(224 / 1.8556, 4, -weights[0], -weights[1], 1 - weights[2], 128);
+constexpr Row cr = row(224 / 1.5748, 4, 1 - weights[0], -weights[1], -weights[2], 128);
+
+std::uint8_t apply(const Row& m, std::uint32_t red, std::uint32_t green, std::uint32_t blue) {
+  const std::uint32_t sum = static_cast<std::uint32_t>(m.red) * red + static_cast<std::uint32_t>(m.green) * green +
+                            static_cast<std::uint32_t>(m.blue) * blue + static_cast<std::uint32_t>(m.offset);
+  return static_cast<std::uint8_t>(sum >> 16);
+}
+
+// The loops are simple, so that the compiler computes several pixels at once.
+void luma_row(const std::uint32_t* __restrict pixels, std::uint32_t width, std::uint8_t* __restrict out) {
+  for (std::uint32_t x = 0; x < width; ++x) out[x] = apply(luma, pixels[x] & 255, (pixels[x] >> 8) & 255, (pixels[x] >> 16) & 255);
+}
+
+void chroma_row(const std::uint32_t* __restrict upper, const std::uint32_t* __restrict lower, std::uint32_t half,
+                std::uint8_t* __restrict out_cb, std::uint8_t* __restrict out_cr) {
+  constexpr std::uint32_t outer = 0x00ff00ff;  // red and blue, each with room for a sum of four
+  for (std::uint32_t x = 0; x < half; ++x) {
+    const std::uint32_t a = upper[2 * x], b = upper[2 * x + 1], c = lower[2 * x], d = lower[2 * x + 1];
+    const std::uint32_t red_blue = (a & outer) + (b & outer) + (c & outer) + (d & outer);
+    const std::uint32_t green = ((a >> 8) & 255) + ((b >> 8) & 255) + ((c >> 8) & 255) + ((d >> 8) & 255);
+    out_cb[x] = apply(cb, red_blue & 0xffff, green, red_blue >> 16);
+    out_cr[x] = apply(cr, red_blue & 0xffff, green, red_blue >> 16);
+  }
+}
+
+}  // namespace
+
+void to_planar(const std::uint8_t* rgba, std::uint32_t width, std::uint32_t height, std::uint8_t* out) {
+  const auto* pixels = reinterpret_cast<const std::uint32_t*>(rgba);
+  const std::size_t size = std::size_t{width} * height;
+  for (std::uint32_t y = 0; y < height; ++y) luma_row(pixels + std::size_t{height - 1 - y} * width, width, out + std::size_t{y} * width);
+  const std::uint32_t half = width / 2;
+  for (std::uint32_t y = 0; y < height / 2; ++y) {
+    const std::uint32_t* upper = pixels + std::size_t{height - 1 - 2 * y} * width;
+    std::uint8_t* at = out + size + std::size_t{y} * half;
+    chroma_row(upper, upper - width, half, at, at + size / 4);
+  }
+}
+
+}  // namespace ugoki::player_wasm
