@@ -394,60 +394,60 @@ int run_plot(const PlotOptions& o) {
   return 0;
 }
 
-void add_plot_verb(CLI::App& bake, Action& action) {
+void add_plot_verb(Verb bake, Action& action) {
   auto o = std::make_shared<PlotOptions>();
-  CLI::App* verb = bake.add_subcommand("plot", "Draw a measure of a sweep over one of its parameters, as SVG.");
-  verb->add_option("table", o->table, "Table of the sweep: an SQLite file or postgresql://user@host/database")->required();
-  verb->add_option("--name", o->name, "Name of the sweep in a PostgreSQL database");
-  verb->add_option("--x", o->x, "Column of the horizontal axis, for example push")->required();
-  verb->add_option("--y", o->y, "Column of the vertical axis, for example fell")->required();
-  verb->add_option("--by", o->by, "Column whose values become series, each with its own colour");
-  verb->add_option("--out", o->out, "File to write")->required()->type_name("FILE");
-  verb->add_option("--title", o->title, "Title (default: names of the columns)");
-  verb->add_flag("--json", o->json, "Print one JSON object");
-  verb->footer("Example:\n  ugoki bake plot push.db --x push --y fell --by push-angle --out push.svg");
-  verb->callback([o, &action] { action = [o] { return run_plot(*o); }; });
+  Verb verb = bake.add_subcommand("plot", "Draw a measure of a sweep over one of its parameters, as SVG.");
+  verb.add_option("table", o->table, "Table of the sweep: an SQLite file or postgresql://user@host/database").required();
+  verb.add_option("--name", o->name, "Name of the sweep in a PostgreSQL database");
+  verb.add_option("--x", o->x, "Column of the horizontal axis, for example push").required();
+  verb.add_option("--y", o->y, "Column of the vertical axis, for example fell").required();
+  verb.add_option("--by", o->by, "Column whose values become series, each with its own colour");
+  verb.add_option("--out", o->out, "File to write").required().type_name("FILE");
+  verb.add_option("--title", o->title, "Title (default: names of the columns)");
+  verb.add_flag("--json", o->json, "Print one JSON object");
+  verb.footer("Example:\n  ugoki bake plot push.db --x push --y fell --by push-angle --out push.svg");
+  verb.callback([o, &action] { action = [o] { return run_plot(*o); }; });
 }
 
 }  // namespace
 
-void add_bake_verb(CLI::App& app, Action& action) {
+void add_bake_verb(Verb app, Action& action) {
   auto o = std::make_shared<Options>();
   auto merges = std::make_shared<std::vector<std::string>>();
-  CLI::App* verb = app.add_subcommand("bake", "Run many variations of content on all cores and keep the results in a table.");
-  verb->add_option("targets", o->targets, "Projects, motion files or motions of the library");
-  verb->add_option("--table", o->table,
-                   "Table of the results: an SQLite file, or postgresql://user@host/database; an existing table is continued")
-      ->type_name("FILE");
-  verb->add_option("--name", o->name, "Name of the sweep in a PostgreSQL database");
-  add_plot_verb(*verb, action);
-  verb->add_option("--vary", o->vary,
-                   "NAME=VALUE,VALUE or NAME=LOW:HIGH:COUNT; may be repeated. Names: push (N), push-angle (degrees), push-time, "
-                   "push-duration, push-link, assist-limit, tracking, "
-                   "balance, friction, restitution, gravity, steps-per-s, a JSON pointer into the scenario, lsi:ID.PARAMETER")
-      ->type_name("SPEC");
-  verb->add_option("--random", o->random, "Draw this many runs for each target at random; ranges are NAME=LOW:HIGH")
-      ->check(CLI::Range(1, 100'000'000));
-  verb->add_option("--seed", o->seed, "Seed of --random")->capture_default_str();
-  verb->add_option("--duration", o->duration, "Seconds to run (default: to the end)")->check(CLI::Range(0.0005, 86400.0));
-  verb->add_option("--jobs", o->jobs, "Runs at the same time (default: number of cores)")->check(CLI::Range(1, 1024));
-  verb->add_option("--time-limit", o->time_limit, "Seconds after which a run is ended and recorded as timeout")
-      ->check(CLI::Range(0.1, 1e6))
-      ->capture_default_str();
-  verb->add_option("--csv", o->csv, "Write the complete table as CSV at the end")->type_name("FILE");
-  verb->add_option("--part", o->part, "Compute only part I of N: I/N");
-  verb->add_option("--merge", *merges, "Take the rows of the table of another part; may be repeated")->type_name("FILE");
-  verb->add_option("--slurm", o->slurm, "Write job scripts for this many parts and submit them with sbatch")->check(CLI::Range(1, 10'000));
-  verb->add_option("--slurm-partition", o->slurm_partition, "Partition of Slurm");
-  verb->add_option("--slurm-time", o->slurm_time, "Time limit of a Slurm task")->capture_default_str();
-  verb->add_flag("--dry-run", o->dry_run, "Print the runs, or write the scripts of --slurm, but start nothing");
-  verb->add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  verb->add_flag("--json", o->json, "Print one JSON object");
-  verb->footer("Example:\n  ugoki bake walk.bvh --vary push=0:600:13 --vary push-angle=0,90,180,270 --table push.db --csv push.csv");
-  verb->callback([o, merges, verb, &action] {
-    if (!verb->get_subcommands().empty()) return;
-    if (o->targets.empty()) throw CLI::ValidationError("bake", "Name at least one target, or `plot`.");
-    if (o->table.empty()) throw CLI::ValidationError("bake", "Name the table of the results, for example --table push.db.");
+  Verb verb = app.add_subcommand("bake", "Run many variations of content on all cores and keep the results in a table.");
+  verb.add_option("targets", o->targets, "Projects, motion files or motions of the library");
+  verb.add_option("--table", o->table,
+                  "Table of the results: an SQLite file, or postgresql://user@host/database; an existing table is continued")
+      .type_name("FILE");
+  verb.add_option("--name", o->name, "Name of the sweep in a PostgreSQL database");
+  add_plot_verb(verb, action);
+  verb.add_option("--vary", o->vary,
+                  "NAME=VALUE,VALUE or NAME=LOW:HIGH:COUNT; may be repeated. Names: push (N), push-angle (degrees), push-time, "
+                  "push-duration, push-link, assist-limit, tracking, "
+                  "balance, friction, restitution, gravity, steps-per-s, a JSON pointer into the scenario, lsi:ID.PARAMETER")
+      .type_name("SPEC");
+  verb.add_option("--random", o->random, "Draw this many runs for each target at random; ranges are NAME=LOW:HIGH")
+      .check(range(1, 100'000'000));
+  verb.add_option("--seed", o->seed, "Seed of --random").capture_default_str();
+  verb.add_option("--duration", o->duration, "Seconds to run (default: to the end)").check(range(0.0005, 86400.0));
+  verb.add_option("--jobs", o->jobs, "Runs at the same time (default: number of cores)").check(range(1, 1024));
+  verb.add_option("--time-limit", o->time_limit, "Seconds after which a run is ended and recorded as timeout")
+      .check(range(0.1, 1e6))
+      .capture_default_str();
+  verb.add_option("--csv", o->csv, "Write the complete table as CSV at the end").type_name("FILE");
+  verb.add_option("--part", o->part, "Compute only part I of N: I/N");
+  verb.add_option("--merge", *merges, "Take the rows of the table of another part; may be repeated").type_name("FILE");
+  verb.add_option("--slurm", o->slurm, "Write job scripts for this many parts and submit them with sbatch").check(range(1, 10'000));
+  verb.add_option("--slurm-partition", o->slurm_partition, "Partition of Slurm");
+  verb.add_option("--slurm-time", o->slurm_time, "Time limit of a Slurm task").capture_default_str();
+  verb.add_flag("--dry-run", o->dry_run, "Print the runs, or write the scripts of --slurm, but start nothing");
+  verb.add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb.add_flag("--json", o->json, "Print one JSON object");
+  verb.footer("Example:\n  ugoki bake walk.bvh --vary push=0:600:13 --vary push-angle=0,90,180,270 --table push.db --csv push.csv");
+  verb.callback([o, merges, verb, &action] {
+    if (verb.has_parsed_verb()) return;
+    if (o->targets.empty()) refuse("bake", "Name at least one target, or `plot`.");
+    if (o->table.empty()) refuse("bake", "Name the table of the results, for example --table push.db.");
     action = [o, merges] { return run_bake(*o, *merges); };
   });
 }

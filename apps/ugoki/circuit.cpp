@@ -93,44 +93,44 @@ int run_lsis(const Options& o) {
 
 }  // namespace
 
-void add_circuit_verb(CLI::App& app, Action& action) {
+void add_circuit_verb(Verb app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("circuit", "Run, check and test circuits of software LSIs.");
-  verb->require_subcommand(1);
+  Verb verb = app.add_subcommand("circuit", "Run, check and test circuits of software LSIs.");
+  verb.require_subcommand(1);
   const auto add = [&](const char* name, const char* doc, const char* target, const char* example, int (*run)(const Options&)) {
-    CLI::App* sub = verb->add_subcommand(name, doc);
-    if (*target) sub->add_option("files", options->targets, target)->required();
-    sub->add_option("--lsi", options->libraries, "A library of LSIs (*.so) to use without installing it");
-    sub->add_option("--shelf", options->shelf, "Folder of installed libraries (default: $UGOKI_LSI or ~/.local/share/ugoki/lsi)");
-    sub->add_option("--patience", options->patience, "Seconds that one LSI may run in a tick before the program stops it")
-        ->check(CLI::Range(0.1, 3600.0))
-        ->capture_default_str();
-    sub->add_flag("--json", options->json, "Print one JSON object");
-    sub->footer(std::string("Example:\n  ") + example);
-    sub->callback([options, run, &action] { action = [options, run] { return run(*options); }; });
+    Verb sub = verb.add_subcommand(name, doc);
+    if (*target) sub.add_option("files", options->targets, target).required();
+    sub.add_option("--lsi", options->libraries, "A library of LSIs (*.so) to use without installing it");
+    sub.add_option("--shelf", options->shelf, "Folder of installed libraries (default: $UGOKI_LSI or ~/.local/share/ugoki/lsi)");
+    sub.add_option("--patience", options->patience, "Seconds that one LSI may run in a tick before the program stops it")
+        .check(range(0.1, 3600.0))
+        .capture_default_str();
+    sub.add_flag("--json", options->json, "Print one JSON object");
+    sub.footer(std::string("Example:\n  ") + example);
+    sub.callback([options, run, &action] { action = [options, run] { return run(*options); }; });
     return sub;
   };
-  CLI::App* run = add("run", "Run a circuit and print its outputs.", "The circuit, *.json",
-                      "ugoki circuit run counter.json --duration 2 --probe limit.out --json", run_circuit);
-  run->add_option("--dt", options->dt, "Seconds between ticks")->check(number_from(1e-9, 1e6))->capture_default_str();
-  run->add_option("--duration", options->duration, "Seconds to run")->check(CLI::Range(0.0, 1e9))->capture_default_str();
-  run->add_option("--probe", options->probes, "Record this output at each tick: id.pin");
-  run->add_option("--every", options->every, "Record probes at each n-th tick only")->check(CLI::Range(1, 1000000));
-  run->add_option("--set", options->sets, "Set a parameter: id.parameter=value");
-  run->add_option("--input", options->inputs, "Set an input of the circuit: name=value or name=x,y,z");
-  run->add_option("--break", options->breaks, "Stop when a condition becomes true: \"id.pin > 3\", \"id.pin[2] < 0\", \"id.pin changes\"");
-  run->add_option("--record", options->record, "Record all external inputs to this file");
-  run->add_option("--replay", options->replay, "Replay the inputs recorded in this file");
-  run->add_option("--threads", options->threads, "Number of threads for independent LSIs")->check(CLI::Range(1, 64));
-  run->add_option("--osc", options->osc, "Receive OSC on this UDP port of 127.0.0.1, for the LSIs `osc`")->check(CLI::Range(1, 65535));
-  run->add_flag("--timing", options->timing, "Measure the time of each LSI");
-  run->add_flag("--reload", options->reload, "Reload libraries that are rebuilt while the circuit runs");
-  run->add_flag("--realtime", options->realtime, "Run at most in real time");
+  Verb run = add("run", "Run a circuit and print its outputs.", "The circuit, *.json",
+                 "ugoki circuit run counter.json --duration 2 --probe limit.out --json", run_circuit);
+  run.add_option("--dt", options->dt, "Seconds between ticks").check(number_from(1e-9, 1e6)).capture_default_str();
+  run.add_option("--duration", options->duration, "Seconds to run").check(range(0.0, 1e9)).capture_default_str();
+  run.add_option("--probe", options->probes, "Record this output at each tick: id.pin");
+  run.add_option("--every", options->every, "Record probes at each n-th tick only").check(range(1, 1000000));
+  run.add_option("--set", options->sets, "Set a parameter: id.parameter=value");
+  run.add_option("--input", options->inputs, "Set an input of the circuit: name=value or name=x,y,z");
+  run.add_option("--break", options->breaks, "Stop when a condition becomes true: \"id.pin > 3\", \"id.pin[2] < 0\", \"id.pin changes\"");
+  run.add_option("--record", options->record, "Record all external inputs to this file");
+  run.add_option("--replay", options->replay, "Replay the inputs recorded in this file");
+  run.add_option("--threads", options->threads, "Number of threads for independent LSIs").check(range(1, 64));
+  run.add_option("--osc", options->osc, "Receive OSC on this UDP port of 127.0.0.1, for the LSIs `osc`").check(range(1, 65535));
+  run.add_flag("--timing", options->timing, "Measure the time of each LSI");
+  run.add_flag("--reload", options->reload, "Reload libraries that are rebuilt while the circuit runs");
+  run.add_flag("--realtime", options->realtime, "Run at most in real time");
   add("check", "Report the errors of circuits.", "Circuits, *.json", "ugoki circuit check *.json", run_check);
   add("test", "Run examples with expected values (docs/lsi.md).", "Examples, *.test.json", "ugoki circuit test examples/lsi/*.test.json",
       run_test);
   add("lsis", "Print all LSIs that circuits may use, as JSON.", "", "ugoki circuit lsis", run_lsis);
-  add_export_fmu(*verb, action);
+  add_export_fmu(verb, action);
 }
 
 }  // namespace ugoki::cli

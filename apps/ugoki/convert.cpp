@@ -256,30 +256,29 @@ int run_convert(const Options& o) {
 
 }  // namespace
 
-void add_convert_verb(CLI::App& app, Action& action) {
+void add_convert_verb(Verb app, Action& action) {
   auto o = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("convert", "Write a motion, a recording or a mechanism in another format.");
-  verb->add_option("input", o->input, "A file, or a motion of the library")->required();
-  verb->add_option("output", o->output,
-                   "Motions: .bvh, .amc (and its .asf), .glb, .csv; markers: .c3d, .trc, .csv; mechanisms: .json, .urdf, .xml")
-      ->required();
-  verb->add_option("--decimals", o->decimals, "Digits after the decimal point (default: as many as the format needs)")
-      ->check(CLI::Range(1, 15));
-  verb->add_flag("--positions", o->positions, "CSV: world positions of the joints instead of coordinates");
-  verb->add_flag("--radians", o->radians, "CSV: angles in rad instead of degrees");
-  verb->add_flag("--fill", o->fill, "Recordings of markers: fill gaps and remove spikes (default: as recorded)");
-  verb->add_option("--mechanism", o->mechanism, "Mechanism of the coordinates in a CSV file");
-  add_correction_options(*verb, o->source);
-  verb->add_option("--rate", o->source.intake.rate, "Frames per second of AMC files, which do not store it")
-      ->check(CLI::Range(1.0, 10000.0))
-      ->capture_default_str();
-  verb->add_option("--skeleton,--asf", o->source.asf,
-                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or body model of SMPL files (.npz)");
-  add_robot_options(*verb, o->source.robot);
-  verb->add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  verb->add_flag("--json", o->json, "Print one JSON object");
-  verb->footer("Example:\n  ugoki convert walk.fbx walk.bvh\n  ugoki convert 02_01.c3d markers.csv\n  ugoki convert robot.urdf robot.xml");
-  verb->callback([o, &action] { action = [o] { return run_convert(*o); }; });
+  Verb verb = app.add_subcommand("convert", "Write a motion, a recording or a mechanism in another format.");
+  verb.add_option("input", o->input, "A file, or a motion of the library").required();
+  verb.add_option("output", o->output,
+                  "Motions: .bvh, .amc (and its .asf), .glb, .csv; markers: .c3d, .trc, .csv; mechanisms: .json, .urdf, .xml")
+      .required();
+  verb.add_option("--decimals", o->decimals, "Digits after the decimal point (default: as many as the format needs)").check(range(1, 15));
+  verb.add_flag("--positions", o->positions, "CSV: world positions of the joints instead of coordinates");
+  verb.add_flag("--radians", o->radians, "CSV: angles in rad instead of degrees");
+  verb.add_flag("--fill", o->fill, "Recordings of markers: fill gaps and remove spikes (default: as recorded)");
+  verb.add_option("--mechanism", o->mechanism, "Mechanism of the coordinates in a CSV file");
+  add_correction_options(verb, o->source);
+  verb.add_option("--rate", o->source.intake.rate, "Frames per second of AMC files, which do not store it")
+      .check(range(1.0, 10000.0))
+      .capture_default_str();
+  verb.add_option("--skeleton,--asf", o->source.asf,
+                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or body model of SMPL files (.npz)");
+  add_robot_options(verb, o->source.robot);
+  verb.add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb.add_flag("--json", o->json, "Print one JSON object");
+  verb.footer("Example:\n  ugoki convert walk.fbx walk.bvh\n  ugoki convert 02_01.c3d markers.csv\n  ugoki convert robot.urdf robot.xml");
+  verb.callback([o, &action] { action = [o] { return run_convert(*o); }; });
 }
 
 }  // namespace ugoki::cli

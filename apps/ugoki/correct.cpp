@@ -98,31 +98,28 @@ int run_correct(const Options& o) {
 
 }  // namespace
 
-void add_correct_verb(CLI::App& app, Action& action) {
+void add_correct_verb(Verb app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("correct", "Correct a motion so that it obeys the laws of mechanics.");
-  verb->add_option("input", options->input, "A BVH, AMC, C3D, TRC or glTF file or a motion of the library")->required();
-  verb->add_option("-o,--out", options->out, "Output: a .bvh or .glb file, or a name without a dot for an entry of the library")
-      ->required();
+  Verb verb = app.add_subcommand("correct", "Correct a motion so that it obeys the laws of mechanics.");
+  verb.add_option("input", options->input, "A BVH, AMC, C3D, TRC or glTF file or a motion of the library").required();
+  verb.add_option("-o,--out", options->out, "Output: a .bvh or .glb file, or a name without a dot for an entry of the library").required();
   correction::CorrectOptions& o = options->correct;
-  verb->add_option("--strength", o.strength, "0: no change, 1: complete correction")->check(number_from(0, 1))->capture_default_str();
-  verb->add_option("--gravity", o.gravity, "m/s^2")->check(number_from(0.01, 100))->capture_default_str();
-  verb->add_option("--friction", o.friction, "Coulomb coefficient of the ground")->check(number_from(0, 10))->capture_default_str();
-  verb->add_option("--smoothing", o.smoothing, "Cut-off of the low-pass filter, Hz; 0: no filter")
-      ->check(number_from(0, 1000))
-      ->capture_default_str();
-  verb->add_flag("--keep-floor", options->keep_floor, "The floor of the motion is z = 0; do not search for it");
-  verb->add_flag("--keep-duration", o.keep_duration, "Do not change the duration of flights in which gravity is wrong");
-  verb->add_option("--skeleton,--asf", options->source.asf,
-                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
-  verb->add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)")
-      ->check(CLI::Range(0.1, 30.0));
-  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)")
-      ->check(CLI::Range(0.01, 100000.0));
-  verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  verb->add_flag("--json", options->json, "Print one JSON object");
-  verb->footer("Example:\n  ugoki correct keyed-jump.bvh -o jump.bvh");
-  verb->callback(
+  verb.add_option("--strength", o.strength, "0: no change, 1: complete correction").check(number_from(0, 1)).capture_default_str();
+  verb.add_option("--gravity", o.gravity, "m/s^2").check(number_from(0.01, 100)).capture_default_str();
+  verb.add_option("--friction", o.friction, "Coulomb coefficient of the ground").check(number_from(0, 10)).capture_default_str();
+  verb.add_option("--smoothing", o.smoothing, "Cut-off of the low-pass filter, Hz; 0: no filter")
+      .check(number_from(0, 1000))
+      .capture_default_str();
+  verb.add_flag("--keep-floor", options->keep_floor, "The floor of the motion is z = 0; do not search for it");
+  verb.add_flag("--keep-duration", o.keep_duration, "Do not change the duration of flights in which gravity is wrong");
+  verb.add_option("--skeleton,--asf", options->source.asf,
+                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
+  verb.add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)").check(range(0.1, 30.0));
+  verb.add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)").check(range(0.01, 100000.0));
+  verb.add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb.add_flag("--json", options->json, "Print one JSON object");
+  verb.footer("Example:\n  ugoki correct keyed-jump.bvh -o jump.bvh");
+  verb.callback(
       [options, &action] { action = [options] { return with_libraries(options->json, [&] { return run_correct(*options); }); }; });
 }
 

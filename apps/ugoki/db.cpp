@@ -241,9 +241,9 @@ int thumbnail(const Options& o) {
   });
 }
 
-void declare_base(CLI::App& verb, Options& o) {
+void declare_base(Verb verb, Options& o) {
   verb.add_option("--based-on", o.based_on, "Version that the change is based on (default: the newest); a later version is a conflict")
-      ->check(CLI::Range(1, 1'000'000'000));
+      .check(range(1, 1'000'000'000));
   declare_author(verb, o);
 }
 
@@ -251,28 +251,26 @@ void declare_base(CLI::App& verb, Options& o) {
 
 void Verbs::add(const char* name, const char* about, const char* example, const Declare& declare, int (*run)(const Options&)) const {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = parent.add_subcommand(name, about);
-  declare(*verb, *options);
-  verb->add_option("--library", options->library,
-                   "Library: a file or postgresql://USER@HOST/DATABASE (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  verb->add_flag("--json", options->json, "Print one JSON object");
-  verb->footer("Example:\n  " + std::string(example));
+  Verb verb = parent.add_subcommand(name, about);
+  declare(verb, *options);
+  verb.add_option("--library", options->library,
+                  "Library: a file or postgresql://USER@HOST/DATABASE (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb.add_flag("--json", options->json, "Print one JSON object");
+  verb.footer("Example:\n  " + std::string(example));
   Action& then = action;
-  verb->callback([options, run, &then] { then = [options, run] { return run(*options); }; });
+  verb.callback([options, run, &then] { then = [options, run] { return run(*options); }; });
 }
 
-void declare_filters(CLI::App& verb, Options& o) {
+void declare_filters(Verb verb, Options& o) {
   verb.add_option("--kind", o.kinds, "Only mechanism, motion, measured, circuit or set")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"mechanism", "motion", "measured", "circuit", "set"}));
-  verb.add_option("--tag", o.tags, "Only entries with these tags")->delimiter(',');
+      .delimiter(',')
+      .check(one_of({"mechanism", "motion", "measured", "circuit", "set"}));
+  verb.add_option("--tag", o.tags, "Only entries with these tags").delimiter(',');
 }
 
-void declare_entry(CLI::App& verb, Options& o) { verb.add_option("entry", o.entry, "Name, id or first characters of an id")->required(); }
-void declare_entries(CLI::App& verb, Options& o) {
-  verb.add_option("entries", o.entries, "Names, ids or first characters of ids")->required();
-}
-void declare_author(CLI::App& verb, Options& o) {
+void declare_entry(Verb verb, Options& o) { verb.add_option("entry", o.entry, "Name, id or first characters of an id").required(); }
+void declare_entries(Verb verb, Options& o) { verb.add_option("entries", o.entries, "Names, ids or first characters of ids").required(); }
+void declare_author(Verb verb, Options& o) {
   verb.add_option("--author", o.author, "Author of the change (default: $UGOKI_AUTHOR or the user's name)");
 }
 
@@ -322,30 +320,30 @@ std::string joined(const std::vector<std::string>& words, const char* by) {
 
 }  // namespace db
 
-void add_db_verb(CLI::App& app, Action& action) {
+void add_db_verb(Verb app, Action& action) {
   using namespace db;
-  CLI::App* parent = app.add_subcommand("db", "List, find and change the entries of the library.");
-  parent->require_subcommand(1);
-  parent->footer(
+  Verb parent = app.add_subcommand("db", "List, find and change the entries of the library.");
+  parent.require_subcommand(1);
+  parent.footer(
       "Example:\n  ugoki db list --kind motion\n  ugoki db find walk\n  ugoki db copy library.db postgresql://anna@server/motions");
-  const Verbs verbs{*parent, action};
-  const auto lists = [](CLI::App& verb, Options& o) {
+  const Verbs verbs{parent, action};
+  const auto lists = [](Verb verb, Options& o) {
     declare_filters(verb, o);
     verb.add_option("--order", o.order, "relevance, name, newest, oldest, longest or shortest")
-        ->check(CLI::IsMember({"relevance", "name", "newest", "oldest", "longest", "shortest"}));
-    verb.add_option("--limit", o.limit, "Maximum number of entries")->check(CLI::Range(1, 10'000))->capture_default_str();
+        .check(one_of({"relevance", "name", "newest", "oldest", "longest", "shortest"}));
+    verb.add_option("--limit", o.limit, "Maximum number of entries").check(range(1, 10'000)).capture_default_str();
     verb.add_option("--after", o.after, "Start after the previous page; the value is printed with it");
     verb.add_flag("--removed", o.removed, "List the trash instead");
   };
   verbs.add("list", "List all entries.", "ugoki db list --kind motion --tag walk --order newest", lists, list);
-  const auto words = [&](CLI::App& verb, Options& o) {
-    verb.add_option("words", o.words, "Words or beginnings of words; an entry must contain all of them")->required();
+  const auto words = [&](Verb verb, Options& o) {
+    verb.add_option("words", o.words, "Words or beginnings of words; an entry must contain all of them").required();
     lists(verb, o);
   };
   verbs.add("find", "Find entries with these words in name, tags, note or summary.", "ugoki db find cmu walk", words, find);
   verbs.add("search", "Same as `find`.", "ugoki db search 02_01 --limit 20", words, find);
   verbs.add("tags", "List all tags with their number of entries.", "ugoki db tags --kind motion", declare_filters, tags);
-  const auto one = [](CLI::App& verb, Options& o) {
+  const auto one = [](Verb verb, Options& o) {
     declare_entry(verb, o);
     verb.add_flag("--removed", o.removed, "Look in the trash");
   };
@@ -353,53 +351,53 @@ void add_db_verb(CLI::App& app, Action& action) {
   verbs.add("history", "List all versions of an entry: author, changes and time.", "ugoki db history walk", one, history);
   verbs.add(
       "tag", "Add and remove tags.", "ugoki db tag walk --add slow,cmu --remove new",
-      [](CLI::App& verb, Options& o) {
+      [](Verb verb, Options& o) {
         declare_entries(verb, o);
-        verb.add_option("--add", o.add, "Tags to add")->delimiter(',');
-        verb.add_option("--remove", o.remove, "Tags to remove")->delimiter(',');
+        verb.add_option("--add", o.add, "Tags to add").delimiter(',');
+        verb.add_option("--remove", o.remove, "Tags to remove").delimiter(',');
       },
       tag);
   verbs.add(
       "untag", "Remove tags.", "ugoki db untag walk slow cmu",
-      [](CLI::App& verb, Options& o) {
+      [](Verb verb, Options& o) {
         declare_entry(verb, o);
-        verb.add_option("tags", o.tags, "Tags to remove")->required();
+        verb.add_option("tags", o.tags, "Tags to remove").required();
       },
       untag);
   verbs.add(
       "rename", "Rename an entry (creates a new version).", "ugoki db rename walk stroll",
-      [](CLI::App& verb, Options& o) {
+      [](Verb verb, Options& o) {
         declare_entry(verb, o);
-        verb.add_option("name", o.name, "New name")->required();
+        verb.add_option("name", o.name, "New name").required();
         declare_base(verb, o);
       },
       rename);
   verbs.add(
       "note", "Set the note of an entry (creates a new version).", "ugoki db note walk 'left knee is noisy'",
-      [](CLI::App& verb, Options& o) {
+      [](Verb verb, Options& o) {
         declare_entry(verb, o);
-        verb.add_option("note", o.note, "The note; '' removes it")->required();
+        verb.add_option("note", o.note, "The note; '' removes it").required();
         declare_base(verb, o);
       },
       note);
   verbs.add(
       "save", "Save a file's bytes as the new version of an entry.", "ugoki db save body body.json --based-on 3 --note 'longer arms'",
-      [](CLI::App& verb, Options& o) {
+      [](Verb verb, Options& o) {
         declare_entry(verb, o);
-        verb.add_option("file", o.file, "The data, in the format that `db export` writes")->required();
+        verb.add_option("file", o.file, "The data, in the format that `db export` writes").required();
         verb.add_option("--note", o.note, "New note (default: unchanged)");
         declare_base(verb, o);
       },
       save);
   verbs.add(
       "restore", "Save an old version again as the newest one.", "ugoki db restore walk 2",
-      [](CLI::App& verb, Options& o) {
+      [](Verb verb, Options& o) {
         declare_entry(verb, o);
-        verb.add_option("version", o.version, "The old version")->required()->check(CLI::Range(1, 1'000'000'000));
+        verb.add_option("version", o.version, "The old version").required().check(range(1, 1'000'000'000));
         declare_base(verb, o);
       },
       restore);
-  const auto many = [](CLI::App& verb, Options& o) {
+  const auto many = [](Verb verb, Options& o) {
     declare_entries(verb, o);
     declare_author(verb, o);
   };
@@ -407,11 +405,11 @@ void add_db_verb(CLI::App& app, Action& action) {
   verbs.add("undelete", "Restore entries from the trash.", "ugoki db undelete walk", many, undelete);
   verbs.add(
       "thumbnail", "Write an entry's thumbnail to a file, or replace it.", "ugoki db thumbnail walk --set walk.png",
-      [](CLI::App& verb, Options& o) {
+      [](Verb verb, Options& o) {
         declare_entry(verb, o);
         verb.add_option("--to", o.to, "Write the thumbnail to this file");
-        CLI::Option* set = verb.add_option("--set", o.file, "A PNG or WebP of at most 256 KB that becomes the thumbnail");
-        verb.add_flag("--clear", o.clear, "Remove the thumbnail")->excludes(set);
+        const Option set = verb.add_option("--set", o.file, "A PNG or WebP of at most 256 KB that becomes the thumbnail");
+        verb.add_flag("--clear", o.clear, "Remove the thumbnail").excludes(set);
       },
       thumbnail);
   add_set_verbs(verbs);

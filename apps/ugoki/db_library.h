@@ -22,17 +22,17 @@ struct Options {
 };
 
 /// Function that declares the options of a verb.
-using Declare = std::function<void(CLI::App&, Options&)>;
+using Declare = std::function<void(Verb, Options&)>;
 /// Adds verbs to `ugoki db`. add() declares a verb with --library and --json, then calls `declare` for its other options.
 struct Verbs {
-  CLI::App& parent;
+  Verb parent;
   Action& action;
   void add(const char* name, const char* about, const char* example, const Declare& declare, int (*run)(const Options&)) const;
 };
-void declare_filters(CLI::App& verb, Options& options);
-void declare_entry(CLI::App& verb, Options& options);
-void declare_entries(CLI::App& verb, Options& options);
-void declare_author(CLI::App& verb, Options& options);
+void declare_filters(Verb verb, Options& options);
+void declare_entry(Verb verb, Options& options);
+void declare_entries(Verb verb, Options& options);
+void declare_author(Verb verb, Options& options);
 
 /// Adds the verbs for many entries or files: export, export-set, import-set, copy, add, collect, check, gc, empty-trash.
 void add_set_verbs(const Verbs& verbs);

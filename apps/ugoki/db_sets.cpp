@@ -234,14 +234,14 @@ int empty_trash(const Options& options) {
   });
 }
 
-void declare_new(CLI::App& verb, Options& o) {
+void declare_new(Verb verb, Options& o) {
   verb.add_option("--note", o.note, "Note of the entry");
   declare_author(verb, o);
 }
 
-void declare_file(CLI::App& verb, Options& o, const char* about) { verb.add_option("file", o.file, about)->required(); }
+void declare_file(Verb verb, Options& o, const char* about) { verb.add_option("file", o.file, about).required(); }
 
-void declare_choice(CLI::App& verb, Options& o) {
+void declare_choice(Verb verb, Options& o) {
   verb.add_option("entries", o.entries, "Names, ids or first characters of ids (default: all that match the filters)");
   verb.add_option("--find", o.words, "Only entries with these words");
   declare_filters(verb, o);
@@ -268,16 +268,16 @@ void add_set_verbs(const Verbs& verbs) {
   verbs.add(
       "export", "Write an entry to a file: a mechanism or circuit as JSON, measured data as BVH, a motion as bytes.",
       "ugoki db export walk walk.bvh",
-      [](CLI::App& verb, Options& o) {
+      [](Verb verb, Options& o) {
         declare_entry(verb, o);
         declare_file(verb, o, "The file to write");
-        verb.add_option("--version", o.version, "Version to export (default: the newest)")->check(CLI::Range(1, 1'000'000'000));
+        verb.add_option("--version", o.version, "Version to export (default: the newest)").check(range(1, 1'000'000'000));
       },
       export_entry);
   verbs.add(
       "export-set", "Write entries, all entries that they need, and their versions into one file.",
       "ugoki db export-set walks.ugoki-set --tag walk",
-      [](CLI::App& verb, Options& o) {
+      [](Verb verb, Options& o) {
         declare_file(verb, o, "The file to write; it is a complete library");
         declare_choice(verb, o);
         verb.add_flag("--latest", o.latest, "Only the newest versions");
@@ -286,7 +286,7 @@ void add_set_verbs(const Verbs& verbs) {
   verbs.add(
       "import-set", "Import a file written by `db export-set`; entries that already exist are not changed.",
       "ugoki db import-set walks.ugoki-set",
-      [](CLI::App& verb, Options& o) {
+      [](Verb verb, Options& o) {
         declare_file(verb, o, "The file");
         verb.add_flag("--theirs", o.theirs, "Entries changed on both sides: save the file's version as the newest");
       },
@@ -294,37 +294,37 @@ void add_set_verbs(const Verbs& verbs) {
   verbs.add(
       "copy", "Copy a library into another one, between files and servers; run it again to continue after an interruption.",
       "ugoki db copy ~/.local/share/ugoki/library.db postgresql://anna@server/motions",
-      [](CLI::App& verb, Options& o) {
-        verb.add_option("from", o.file, "Library to read: a file or postgresql://USER@HOST/DATABASE")->required();
-        verb.add_option("to", o.to, "Library to write")->required();
+      [](Verb verb, Options& o) {
+        verb.add_option("from", o.file, "Library to read: a file or postgresql://USER@HOST/DATABASE").required();
+        verb.add_option("to", o.to, "Library to write").required();
         verb.add_flag("--theirs", o.theirs, "Entries changed on both sides: save the version of FROM as the newest");
       },
       copy);
   verbs.add(
       "add", "Add a circuit (JSON) to the library; use `ugoki import` for mechanisms and motions.",
       "ugoki db add balance.json --tags control",
-      [](CLI::App& verb, Options& o) {
+      [](Verb verb, Options& o) {
         declare_file(verb, o, "The file");
         verb.add_option("--name", o.name, "Name of the entry (default: the file's name)");
-        verb.add_option("--tags", o.tags, "Tags of the entry")->delimiter(',');
+        verb.add_option("--tags", o.tags, "Tags of the entry").delimiter(',');
         declare_new(verb, o);
       },
       add);
   verbs.add(
       "collect", "Create a set: a named list of entries.", "ugoki db collect 'walks for the park' --tag walk",
-      [](CLI::App& verb, Options& o) {
-        verb.add_option("name", o.name, "Name of the set")->required();
+      [](Verb verb, Options& o) {
+        verb.add_option("name", o.name, "Name of the set").required();
         declare_choice(verb, o);
         declare_new(verb, o);
       },
       collect);
   verbs.add(
       "check", "Read all data and verify their hashes.", "ugoki db check",
-      [](CLI::App& verb, Options& o) { verb.add_flag("--repair", o.repair, "Rebuild the search index first"); }, check);
-  verbs.add("gc", "Delete data that no version uses.", "ugoki db gc", [](CLI::App&, Options&) {}, collect_garbage);
+      [](Verb verb, Options& o) { verb.add_flag("--repair", o.repair, "Rebuild the search index first"); }, check);
+  verbs.add("gc", "Delete data that no version uses.", "ugoki db gc", [](Verb, Options&) {}, collect_garbage);
   verbs.add(
       "empty-trash", "Delete the entries in the trash permanently.", "ugoki db empty-trash --before 2026-01-01",
-      [](CLI::App& verb, Options& o) { verb.add_option("--before", o.before, "Only entries removed before this date or time (UTC)"); },
+      [](Verb verb, Options& o) { verb.add_option("--before", o.before, "Only entries removed before this date or time (UTC)"); },
       empty_trash);
 }
 

@@ -303,87 +303,81 @@ int run_export(Options o) {
 
 }  // namespace
 
-/// Returns a check for CLI11: the name of the file must end with `ending`.
-static std::function<std::string(std::string&)> has_ending(std::string ending) {
-  return [ending = std::move(ending)](std::string& path) {
+/// Returns a check: the name of the file must end with `ending`.
+static std::function<std::string(const std::string&)> has_ending(std::string ending) {
+  return [ending = std::move(ending)](const std::string& path) {
     return path.ends_with(ending) ? std::string() : "The name must end with " + ending + ".";
   };
 }
 
-void add_export_verb(CLI::App& app, Action& action) {
+void add_export_verb(Verb app, Action& action) {
   auto o = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("export", "Write content as a program, a page, pictures or a file for other tools.");
-  verb->add_option("target", o->target, "Project (*.ugoki), executable data (*.ugx), motion file or motion of the library")->required();
+  Verb verb = app.add_subcommand("export", "Write content as a program, a page, pictures or a file for other tools.");
+  verb.add_option("target", o->target, "Project (*.ugoki), executable data (*.ugx), motion file or motion of the library").required();
   const auto file = [&](const char* name, std::string& value, const char* help) {
-    return verb->add_option(name, value, help)->type_name("FILE");
+    return verb.add_option(name, value, help).type_name("FILE");
   };
-  file("--html", o->html, "One HTML file: plays live in any browser, from a disk, without a network")->group("Programs");
-  file("--native", o->native, "One executable file for Linux: opens its page, or runs with --headless")->group("Programs");
-  verb->add_flag("--carry-lsis", o->carry_lsis,
-                 "--native: the program carries the code of the installed libraries of LSIs that the content uses")
-      ->group("Programs");
-  verb->add_option("--embed", o->embed, "Folder with the element <ugoki-player> for your own pages")
-      ->type_name("FOLDER")
-      ->group("Programs");
-  file("--ugx", o->ugx, "Executable data, the input of every player")->group("Programs");
-  file("--png", o->pictures.png, "Pictures: a name with %d or %04d, or one picture at --from")->group("Pictures");
-  file("--mp4", o->pictures.mp4, "Video, H.264 (needs ffmpeg)")->group("Pictures");
-  file("--webm", o->pictures.webm, "Video, VP9 (needs ffmpeg)")->group("Pictures");
-  file("--gif", o->pictures.gif, "Animated GIF (needs ffmpeg)")->group("Pictures");
-  verb->add_option("--size", o->size, "Width and height of pictures, px")
-      ->delimiter('x')
-      ->expected(2)
-      ->check(CLI::Range(16, 8192))
-      ->capture_default_str()
-      ->group("Pictures");
-  verb->add_option("--from", o->picture.from, "Time of the first picture, s")->check(CLI::Range(0.0, 86400.0))->group("Pictures");
-  verb->add_option("--blur", o->picture.blur, "Motion blur: sub-frames for each picture")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str()
-      ->group("Pictures");
-  verb->add_option("--shutter", o->picture.shutter, "Open fraction of the shutter, with --blur")
-      ->check(CLI::Range(0.01, 1.0))
-      ->capture_default_str()
-      ->group("Pictures");
-  verb->add_flag("--transparent", o->picture.transparent, "No floor and a transparent background (--png, --webm)")->group("Pictures");
-  verb->add_flag("--light", o->picture.light, "Light background")->group("Pictures");
-  verb->add_flag("--assist", o->picture.overlays, "Draw the root assist")->group("Pictures");
-  verb->add_option("--browser", o->picture.browser, "Chromium or Chrome (default: found on the path)")->group("Pictures");
-  verb->add_option("--ffmpeg", o->picture.ffmpeg, "ffmpeg (default: found on the path)")->group("Pictures");
-  file("--glb", o->glb, "glTF 2.0: skins, animation, camera, materials")->group("Other tools");
-  file("--usda", o->usda, "USD as text: UsdSkel, materials, camera")->group("Other tools");
-  file("--csv", o->csv, "Table of all link poses")->group("Other tools");
-  file("--fmu", o->fmu, "FMU for co-simulation: Simulink, Modelica tools, FMPy")->group("Other tools");
-  verb->add_option("--fmi", o->fmi_version, "Version of FMI for --fmu")
-      ->check(CLI::IsMember({2, 3}))
-      ->capture_default_str()
-      ->group("Other tools");
-  file("--fbx", o->fbx, "FBX, *.fbx, written by Blender")->group("Other tools")->check(CLI::Validator(has_ending(".fbx"), "*.fbx"));
+  file("--html", o->html, "One HTML file: plays live in any browser, from a disk, without a network").group("Programs");
+  file("--native", o->native, "One executable file for Linux: opens its page, or runs with --headless").group("Programs");
+  verb.add_flag("--carry-lsis", o->carry_lsis,
+                "--native: the program carries the code of the installed libraries of LSIs that the content uses")
+      .group("Programs");
+  verb.add_option("--embed", o->embed, "Folder with the element <ugoki-player> for your own pages").type_name("FOLDER").group("Programs");
+  file("--ugx", o->ugx, "Executable data, the input of every player").group("Programs");
+  file("--png", o->pictures.png, "Pictures: a name with %d or %04d, or one picture at --from").group("Pictures");
+  file("--mp4", o->pictures.mp4, "Video, H.264 (needs ffmpeg)").group("Pictures");
+  file("--webm", o->pictures.webm, "Video, VP9 (needs ffmpeg)").group("Pictures");
+  file("--gif", o->pictures.gif, "Animated GIF (needs ffmpeg)").group("Pictures");
+  verb.add_option("--size", o->size, "Width and height of pictures, px")
+      .delimiter('x')
+      .expected(2)
+      .check(range(16, 8192))
+      .capture_default_str()
+      .group("Pictures");
+  verb.add_option("--from", o->picture.from, "Time of the first picture, s").check(range(0.0, 86400.0)).group("Pictures");
+  verb.add_option("--blur", o->picture.blur, "Motion blur: sub-frames for each picture")
+      .check(range(1, 64))
+      .capture_default_str()
+      .group("Pictures");
+  verb.add_option("--shutter", o->picture.shutter, "Open fraction of the shutter, with --blur")
+      .check(range(0.01, 1.0))
+      .capture_default_str()
+      .group("Pictures");
+  verb.add_flag("--transparent", o->picture.transparent, "No floor and a transparent background (--png, --webm)").group("Pictures");
+  verb.add_flag("--light", o->picture.light, "Light background").group("Pictures");
+  verb.add_flag("--assist", o->picture.overlays, "Draw the root assist").group("Pictures");
+  verb.add_option("--browser", o->picture.browser, "Chromium or Chrome (default: found on the path)").group("Pictures");
+  verb.add_option("--ffmpeg", o->picture.ffmpeg, "ffmpeg (default: found on the path)").group("Pictures");
+  file("--glb", o->glb, "glTF 2.0: skins, animation, camera, materials").group("Other tools");
+  file("--usda", o->usda, "USD as text: UsdSkel, materials, camera").group("Other tools");
+  file("--csv", o->csv, "Table of all link poses").group("Other tools");
+  file("--fmu", o->fmu, "FMU for co-simulation: Simulink, Modelica tools, FMPy").group("Other tools");
+  verb.add_option("--fmi", o->fmi_version, "Version of FMI for --fmu").check(one_of({2, 3})).capture_default_str().group("Other tools");
+  file("--fbx", o->fbx, "FBX, *.fbx, written by Blender").group("Other tools").check(Check(has_ending(".fbx"), "*.fbx"));
   file("--abc", o->abc, "Alembic, *.abc, written by a Blender with support for Alembic")
-      ->group("Other tools")
-      ->check(CLI::Validator(has_ending(".abc"), "*.abc"));
-  verb->add_option("--blender", o->blender, "Blender (default: found on the path)")->group("Other tools");
-  file("--mjcf", o->mjcf, "MuJoCo: mechanism of one character, its motion as keyframes")->group("Other tools");
-  file("--urdf", o->urdf, "URDF: mechanism of one character, its motion as a table beside it")->group("Other tools");
-  verb->add_option("--character", o->character, "Character for --mjcf and --urdf: id or name (default: the first one)")
-      ->group("Other tools");
-  verb->add_option("--rate", o->take_rate, "Frames per second of pictures and animations (default: that of the content)")
-      ->check(CLI::Range(1.0, 1000.0));
-  verb->add_option("--duration", o->duration, "Time at which pictures and animations end, s (default: the end)")
-      ->check(CLI::Range(0.001, 86400.0));
-  verb->add_option("--inputs", o->inputs, "Recorded inputs, JSON, for pictures and animations (docs/export.md)");
-  verb->add_option("--title", o->title, "Title of the page (default: the name of the content)");
-  verb->add_option("--player", o->player, "Folder with the parts of the player");
-  verb->add_option("--skeleton,--asf", o->source.asf,
-                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
-  verb->add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  verb->add_flag("--json", o->json, "Print one JSON object");
-  verb->footer(
+      .group("Other tools")
+      .check(Check(has_ending(".abc"), "*.abc"));
+  verb.add_option("--blender", o->blender, "Blender (default: found on the path)").group("Other tools");
+  file("--mjcf", o->mjcf, "MuJoCo: mechanism of one character, its motion as keyframes").group("Other tools");
+  file("--urdf", o->urdf, "URDF: mechanism of one character, its motion as a table beside it").group("Other tools");
+  verb.add_option("--character", o->character, "Character for --mjcf and --urdf: id or name (default: the first one)").group("Other tools");
+  verb.add_option("--rate", o->take_rate, "Frames per second of pictures and animations (default: that of the content)")
+      .check(range(1.0, 1000.0));
+  verb.add_option("--duration", o->duration, "Time at which pictures and animations end, s (default: the end)")
+      .check(range(0.001, 86400.0));
+  verb.add_option("--inputs", o->inputs, "Recorded inputs, JSON, for pictures and animations (docs/export.md)");
+  verb.add_option("--title", o->title, "Title of the page (default: the name of the content)");
+  verb.add_option("--player", o->player, "Folder with the parts of the player");
+  verb.add_option("--skeleton,--asf", o->source.asf,
+                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
+  verb.add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb.add_flag("--json", o->json, "Print one JSON object");
+  verb.footer(
       "Examples:\n  ugoki export park.ugoki --html park.html\n  ugoki export park.ugoki --native park --mp4 park.mp4 --size 1280x720\n"
       "  ugoki export walk.bvh --glb walk.glb");
-  verb->callback([o, &action] {
+  verb.callback([o, &action] {
     if (!o->wants_page() && !o->wants_take() && o->ugx.empty() && o->fmu.empty())
-      throw CLI::ValidationError("export", "Name at least one file to write, for example --html park.html.");
+      refuse("export", "Name at least one file to write, for example --html park.html.");
     action = [o] { return with_libraries(o->json, [&] { return run_export(*o); }); };
   });
 }

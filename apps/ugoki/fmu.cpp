@@ -113,19 +113,19 @@ Result<Json> fmu_info(const std::string& path) {
   return out;
 }
 
-void add_export_fmu(CLI::App& circuit_verb, Action& action) {
+void add_export_fmu(Verb circuit_verb, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* sub = circuit_verb.add_subcommand("export-fmu", "Write a circuit as an FMU, for Simulink, Modelica and other tools.");
-  sub->add_option("circuit", options->circuit, "The circuit, *.json")->required();
-  sub->add_option("output", options->output, "The FMU to write, *.fmu")->required();
-  sub->add_option("--fmi", options->version, "Version of the standard")->check(CLI::IsMember({2, 3}))->capture_default_str();
-  sub->add_option("--dt", options->dt, "Seconds between ticks of the circuit (default: the content's step, or 0.001)")
-      ->check(number_from(1e-9, 1e6));
-  sub->add_option("--content", options->content, "Executable data (*.ugx), if LSIs of the circuit use mechanisms and motions");
-  sub->add_option("--shelf", options->shelf, "Folder of installed libraries (default: $UGOKI_LSI or ~/.local/share/ugoki/lsi)");
-  sub->add_flag("--json", options->json, "Print one JSON object");
-  sub->footer("Example:\n  ugoki circuit export-fmu pendulum.json pendulum.fmu --fmi 2 --dt 0.002");
-  sub->callback([options, &action] { action = [options] { return run_export(*options); }; });
+  Verb sub = circuit_verb.add_subcommand("export-fmu", "Write a circuit as an FMU, for Simulink, Modelica and other tools.");
+  sub.add_option("circuit", options->circuit, "The circuit, *.json").required();
+  sub.add_option("output", options->output, "The FMU to write, *.fmu").required();
+  sub.add_option("--fmi", options->version, "Version of the standard").check(one_of({2, 3})).capture_default_str();
+  sub.add_option("--dt", options->dt, "Seconds between ticks of the circuit (default: the content's step, or 0.001)")
+      .check(number_from(1e-9, 1e6));
+  sub.add_option("--content", options->content, "Executable data (*.ugx), if LSIs of the circuit use mechanisms and motions");
+  sub.add_option("--shelf", options->shelf, "Folder of installed libraries (default: $UGOKI_LSI or ~/.local/share/ugoki/lsi)");
+  sub.add_flag("--json", options->json, "Print one JSON object");
+  sub.footer("Example:\n  ugoki circuit export-fmu pendulum.json pendulum.fmu --fmi 2 --dt 0.002");
+  sub.callback([options, &action] { action = [options] { return run_export(*options); }; });
 }
 
 }  // namespace ugoki::cli

@@ -8,7 +8,7 @@
 namespace ugoki::cli {
 
 /// Adds `export-fmu` to the verb `ugoki circuit`.
-void add_export_fmu(CLI::App& circuit_verb, Action& action);
+void add_export_fmu(Verb circuit_verb, Action& action);
 
 /// Contents of an FMU as JSON, for `ugoki info`. Runs none of its code.
 [[nodiscard]] Result<Json> fmu_info(const std::string& path);

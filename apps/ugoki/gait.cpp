@@ -191,47 +191,46 @@ int run_gait(const Options& o) {
 
 }  // namespace
 
-void add_gait_verb(CLI::App& app, Action& action) {
+void add_gait_verb(Verb app, Action& action) {
   auto o = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("gait", "Make a walk, trot, gallop ... of any body with legs, without measured data.");
-  verb->add_option("body", o->body, "human, dog, mechanism file (JSON, URDF, SDF, MJCF), measured file, or entry of the library");
-  verb->add_option("--height", o->height, "Instead of a body: a person of this height in m")->check(CLI::Range(0.8, 5.0));
-  verb->add_option("--kind", o->kind, "walk, run, trot, pace, canter, gallop, rotary, bound, pronk")->capture_default_str();
-  verb->add_option("--speed", o->speed, "m/s (default: a usual speed of the kind)")->check(number_from(0, 100));
-  verb->add_option("--turn", o->turn, "Degrees per second, positive to the left")->check(number_from(-570, 570))->capture_default_str();
-  verb->add_option("--then", o->then, "Further stage TIME,KIND,SPEED,TURN (s, m/s, degrees per second), for example 5,walk,1.5,0");
-  const CLI::Option* seconds = verb->add_option("--seconds", o->gait.seconds, "Duration; with --path: until the end of the path")
-                                   ->check(number_from(0.05, 3600))
-                                   ->capture_default_str();
-  verb->add_flag("--stride", o->stride, "One stride, cyclic, instead of a duration");
-  verb->add_flag("--moving", o->moving, "Do not start and end with standing");
-  verb->add_option("--style", o->style, "usual, sneak, tired, proud, hurried")->capture_default_str();
-  verb->add_option("--path", o->path, "Points X,Y of a path over the ground, in m; the turn rates are then not used")->expected(2, 1000);
-  verb->add_option("--step-height", o->gait.step_height, "Height of the swing feet, m (default: from the table)")
-      ->check(number_from(0, 10));
-  verb->add_option("--stride-time", o->gait.stride_time, "Duration of a stride, s (default: from the table)")->check(number_from(0, 20));
-  verb->add_option("--duty", o->gait.duty, "Share of the stride in which a foot stands (default: from the table)")
-      ->check(number_from(0, 0.95));
-  verb->add_option("--phases", o->phases, "Touch-down of each leg as a share of the stride, in the order of the report")->delimiter(',');
-  verb->add_option("--slope", o->slope, "Slope of the ground ahead, degrees")->check(number_from(-30, 30));
-  verb->add_option("--stairs", o->stairs, "Height of the steps of stairs that begin 1 m ahead, m; negative: downwards")
-      ->check(number_from(-1, 1));
-  verb->add_option("--stair-depth", o->stair_depth, "Depth of a step, m")->check(number_from(0.05, 10))->capture_default_str();
-  verb->add_option("--rate", o->gait.rate, "Frames per second")->check(number_from(20, 1000))->capture_default_str();
-  verb->add_option("--gravity", o->gait.gravity, "m/s^2")->check(number_from(0.1, 100))->capture_default_str();
-  verb->add_option("-o,--out", o->out, "Output: a .bvh or .glb file, or the name of a new entry in the library");
-  verb->add_option("--mechanism-out", o->mechanism_out, "Also write the mechanism, as JSON");
-  verb->add_option("--project", o->project, "Also write a project (*.ugoki) in which the character performs the gait");
-  verb->add_option("--assist", o->assist, "Assist limit in the project, body weights")->check(number_from(0, 10))->capture_default_str();
-  add_robot_options(*verb, o->source.robot);
-  verb->add_option("--library", o->source.library, "Library (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  verb->add_flag("--json", o->json, "Print one JSON object");
-  verb->footer(
+  Verb verb = app.add_subcommand("gait", "Make a walk, trot, gallop ... of any body with legs, without measured data.");
+  verb.add_option("body", o->body, "human, dog, mechanism file (JSON, URDF, SDF, MJCF), measured file, or entry of the library");
+  verb.add_option("--height", o->height, "Instead of a body: a person of this height in m").check(range(0.8, 5.0));
+  verb.add_option("--kind", o->kind, "walk, run, trot, pace, canter, gallop, rotary, bound, pronk").capture_default_str();
+  verb.add_option("--speed", o->speed, "m/s (default: a usual speed of the kind)").check(number_from(0, 100));
+  verb.add_option("--turn", o->turn, "Degrees per second, positive to the left").check(number_from(-570, 570)).capture_default_str();
+  verb.add_option("--then", o->then, "Further stage TIME,KIND,SPEED,TURN (s, m/s, degrees per second), for example 5,walk,1.5,0");
+  const Option seconds = verb.add_option("--seconds", o->gait.seconds, "Duration; with --path: until the end of the path")
+                             .check(number_from(0.05, 3600))
+                             .capture_default_str();
+  verb.add_flag("--stride", o->stride, "One stride, cyclic, instead of a duration");
+  verb.add_flag("--moving", o->moving, "Do not start and end with standing");
+  verb.add_option("--style", o->style, "usual, sneak, tired, proud, hurried").capture_default_str();
+  verb.add_option("--path", o->path, "Points X,Y of a path over the ground, in m; the turn rates are then not used").expected(2, 1000);
+  verb.add_option("--step-height", o->gait.step_height, "Height of the swing feet, m (default: from the table)").check(number_from(0, 10));
+  verb.add_option("--stride-time", o->gait.stride_time, "Duration of a stride, s (default: from the table)").check(number_from(0, 20));
+  verb.add_option("--duty", o->gait.duty, "Share of the stride in which a foot stands (default: from the table)")
+      .check(number_from(0, 0.95));
+  verb.add_option("--phases", o->phases, "Touch-down of each leg as a share of the stride, in the order of the report").delimiter(',');
+  verb.add_option("--slope", o->slope, "Slope of the ground ahead, degrees").check(number_from(-30, 30));
+  verb.add_option("--stairs", o->stairs, "Height of the steps of stairs that begin 1 m ahead, m; negative: downwards")
+      .check(number_from(-1, 1));
+  verb.add_option("--stair-depth", o->stair_depth, "Depth of a step, m").check(number_from(0.05, 10)).capture_default_str();
+  verb.add_option("--rate", o->gait.rate, "Frames per second").check(number_from(20, 1000)).capture_default_str();
+  verb.add_option("--gravity", o->gait.gravity, "m/s^2").check(number_from(0.1, 100)).capture_default_str();
+  verb.add_option("-o,--out", o->out, "Output: a .bvh or .glb file, or the name of a new entry in the library");
+  verb.add_option("--mechanism-out", o->mechanism_out, "Also write the mechanism, as JSON");
+  verb.add_option("--project", o->project, "Also write a project (*.ugoki) in which the character performs the gait");
+  verb.add_option("--assist", o->assist, "Assist limit in the project, body weights").check(number_from(0, 10)).capture_default_str();
+  add_robot_options(verb, o->source.robot);
+  verb.add_option("--library", o->source.library, "Library (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb.add_flag("--json", o->json, "Print one JSON object");
+  verb.footer(
       "Example:\n  ugoki gait human --kind walk --speed 1.25 --seconds 10 --turn 45 -o walk.bvh\n  ugoki gait dog --kind trot --speed 2 "
       "--then 5,trot,2.5,0 --project dog.ugoki\n  ugoki gait robot.urdf --stride -o step.glb");
-  verb->callback([o, seconds, &action] {
-    o->timed = seconds->count() > 0;
-    if (o->body.empty() && !(o->height > 0)) throw CLI::ValidationError("body", "or --height is required.");
+  verb.callback([o, seconds, &action] {
+    o->timed = seconds.given();
+    if (o->body.empty() && !(o->height > 0)) refuse("body", "or --height is required.");
     action = [o] { return run_gait(*o); };
   });
 }

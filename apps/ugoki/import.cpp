@@ -159,36 +159,33 @@ int run_import(Options options) {
 
 }  // namespace
 
-void add_import_verb(CLI::App& app, Action& action) {
+void add_import_verb(Verb app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("import", "Read measured files, build bodies for them, and store both in the library.");
-  verb->add_option("files", options->files,
-                   "BVH, AMC (with their ASF), C3D, TRC, CSV, glTF, FBX, COLLADA, mechanism JSON, URDF, SDF or MJCF files")
-      ->required();
-  verb->add_option("--name", options->source.intake.name, "Name of the entries (one file only; default: the file's name)");
-  verb->add_option("--tags", options->source.intake.tags, "Tags of the entries, separated by commas")->delimiter(',');
-  verb->add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)")
-      ->check(CLI::Range(0.1, 30.0));
-  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)")
-      ->check(CLI::Range(0.01, 100000.0));
-  add_correction_options(*verb, options->source);
-  verb->add_option("--rate", options->source.intake.rate, "Frames per second of AMC files, which do not store it")
-      ->check(CLI::Range(1.0, 10000.0))
-      ->capture_default_str();
-  verb->add_option("--skeleton,--asf", options->source.asf,
-                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
-  add_robot_options(*verb, options->source.robot);
-  verb->add_option("--bvh", options->bvh, "Also write the measured motion as BVH: a file, or a folder for several inputs");
-  verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  verb->add_flag("--dry-run", options->dry, "Read and report, but store nothing");
-  verb->add_flag("--json", options->json, "Print one JSON object");
-  verb->footer("Example:\n  ugoki import walk.bvh --tags walk,slow\n  ugoki import 12_01.amc --asf 12.asf --mass 70 --bvh copy.bvh");
-  verb->callback([options, &action] {
+  Verb verb = app.add_subcommand("import", "Read measured files, build bodies for them, and store both in the library.");
+  verb.add_option("files", options->files,
+                  "BVH, AMC (with their ASF), C3D, TRC, CSV, glTF, FBX, COLLADA, mechanism JSON, URDF, SDF or MJCF files")
+      .required();
+  verb.add_option("--name", options->source.intake.name, "Name of the entries (one file only; default: the file's name)");
+  verb.add_option("--tags", options->source.intake.tags, "Tags of the entries, separated by commas").delimiter(',');
+  verb.add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)").check(range(0.1, 30.0));
+  verb.add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)").check(range(0.01, 100000.0));
+  add_correction_options(verb, options->source);
+  verb.add_option("--rate", options->source.intake.rate, "Frames per second of AMC files, which do not store it")
+      .check(range(1.0, 10000.0))
+      .capture_default_str();
+  verb.add_option("--skeleton,--asf", options->source.asf,
+                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
+  add_robot_options(verb, options->source.robot);
+  verb.add_option("--bvh", options->bvh, "Also write the measured motion as BVH: a file, or a folder for several inputs");
+  verb.add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb.add_flag("--dry-run", options->dry, "Read and report, but store nothing");
+  verb.add_flag("--json", options->json, "Print one JSON object");
+  verb.footer("Example:\n  ugoki import walk.bvh --tags walk,slow\n  ugoki import 12_01.amc --asf 12.asf --mass 70 --bvh copy.bvh");
+  verb.callback([options, &action] {
     std::error_code ignored;
-    if (options->files.size() > 1 && !options->source.intake.name.empty())
-      throw CLI::ValidationError("--name", "can be used only with one input file.");
+    if (options->files.size() > 1 && !options->source.intake.name.empty()) refuse("--name", "can be used only with one input file.");
     if (options->files.size() > 1 && !options->bvh.empty() && !fs::is_directory(options->bvh, ignored))
-      throw CLI::ValidationError("--bvh", "must be an existing folder when there are several files.");
+      refuse("--bvh", "must be an existing folder when there are several files.");
     action = [options] { return run_import(*options); };
   });
 }

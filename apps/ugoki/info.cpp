@@ -278,23 +278,23 @@ int run_info(const Options& options) {
 
 }  // namespace
 
-void add_info_verb(CLI::App& app, Action& action) {
+void add_info_verb(Verb app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb =
+  Verb verb =
       app.add_subcommand("info", "Print the contents of a file or an entry of the library: counts, tree, masses, degrees of freedom.");
-  verb->add_option("target", options->target,
-                   "BVH, AMC, mechanism JSON, URDF, SDF, MJCF, *.fmu, *.ugoki, *.ugx, a library, or an entry's name or id")
-      ->required();
-  verb->add_option("--skeleton,--asf", options->source.asf,
-                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
-  add_robot_options(*verb, options->source.robot);
-  add_correction_options(*verb, options->source);
-  verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  verb->add_option("--mapping-out", options->mapping_out,
-                   "Write the recognised anatomy of a motion file as JSON, to edit it and use it with --mapping");
-  verb->add_flag("--json", options->json, "Print one JSON object");
-  verb->footer("Example:\n  ugoki info walk.bvh\n  ugoki info robot.urdf --base fixed\n  ugoki info park.ugoki --json");
-  verb->callback([options, &action] { action = [options] { return run_info(*options); }; });
+  verb.add_option("target", options->target,
+                  "BVH, AMC, mechanism JSON, URDF, SDF, MJCF, *.fmu, *.ugoki, *.ugx, a library, or an entry's name or id")
+      .required();
+  verb.add_option("--skeleton,--asf", options->source.asf,
+                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
+  add_robot_options(verb, options->source.robot);
+  add_correction_options(verb, options->source);
+  verb.add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb.add_option("--mapping-out", options->mapping_out,
+                  "Write the recognised anatomy of a motion file as JSON, to edit it and use it with --mapping");
+  verb.add_flag("--json", options->json, "Print one JSON object");
+  verb.footer("Example:\n  ugoki info walk.bvh\n  ugoki info robot.urdf --base fixed\n  ugoki info park.ugoki --json");
+  verb.callback([options, &action] { action = [options] { return run_info(*options); }; });
 }
 
 }  // namespace ugoki::cli

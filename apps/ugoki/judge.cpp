@@ -140,40 +140,37 @@ int run_judge(const Options& options) {
 
 }  // namespace
 
-void add_judge_verb(CLI::App& app, Action& action) {
+void add_judge_verb(Verb app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("judge", "Measure how natural a motion is, as recorded and as dynamics, and compare with limits.");
-  verb->add_option("target", options->target, "Motion file, motion of the library, *.ugoki or *.ugx")->required();
-  verb->add_flag("--kinematic", options->kinematic, "Judge only the recorded motion; do not run it as dynamics");
-  verb->add_flag("--strict", options->strict, "Exit status 1 if a measure is over its limit");
-  verb->add_option("--svg", options->svg, "Plots over time: a picture (*.svg), or a folder for one picture of each measure")
-      ->type_name("PATH");
-  verb->add_option("--limit", options->limits, "Upper limit of a measure, for example --limit jerk=1.5; may be repeated")
-      ->type_name("KEY=NUMBER");
-  verb->add_option("--rate", options->rate, "Steps per second")->check(CLI::Range(250.0, 2000.0))->capture_default_str();
-  verb->add_option("--assist-limit", options->assist_limit,
-                   "Limit of the root assist of a motion's simulation, body weights (default: 0.5)")
-      ->check(CLI::Range(0.0, 10.0));
+  Verb verb = app.add_subcommand("judge", "Measure how natural a motion is, as recorded and as dynamics, and compare with limits.");
+  verb.add_option("target", options->target, "Motion file, motion of the library, *.ugoki or *.ugx").required();
+  verb.add_flag("--kinematic", options->kinematic, "Judge only the recorded motion; do not run it as dynamics");
+  verb.add_flag("--strict", options->strict, "Exit status 1 if a measure is over its limit");
+  verb.add_option("--svg", options->svg, "Plots over time: a picture (*.svg), or a folder for one picture of each measure")
+      .type_name("PATH");
+  verb.add_option("--limit", options->limits, "Upper limit of a measure, for example --limit jerk=1.5; may be repeated")
+      .type_name("KEY=NUMBER");
+  verb.add_option("--rate", options->rate, "Steps per second").check(range(250.0, 2000.0)).capture_default_str();
+  verb.add_option("--assist-limit", options->assist_limit, "Limit of the root assist of a motion's simulation, body weights (default: 0.5)")
+      .check(range(0.0, 10.0));
   const auto add_limit = [&](const std::string& measure, MeasureId id, double& limit, const char* about) {
     const naturalness::MeasureInfo& info = naturalness::info_of(id);
-    verb->add_option("--max-" + measure, limit, std::string(about) + " (default: " + to_fixed(info.limits.high, 2) + ")");
-    verb->add_option("--most-" + measure, limit)->group("");  // name in earlier versions; an empty group hides the option from the help
+    verb.add_option("--max-" + measure, limit, std::string(about) + " (default: " + to_fixed(info.limits.high, 2) + ")");
+    verb.add_option("--most-" + measure, limit, "").group("");  // name in earlier versions; an empty group hides the option from the help
   };
   add_limit("tracking", MeasureId::tracking, options->max_tracking, "Maximum tracking error, degrees (rms)");
   add_limit("assist", MeasureId::assist, options->max_assist, "Maximum root assist, body weights (rms)");
   add_limit("skate", MeasureId::slip, options->max_skate, "Maximum foot skate, cm per stance");
   add_limit("penetration", MeasureId::penetration, options->max_penetration, "Maximum ground penetration, mm");
-  verb->add_option("--skeleton,--asf", options->source.asf,
-                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
-  verb->add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)")
-      ->check(CLI::Range(0.1, 30.0));
-  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)")
-      ->check(CLI::Range(0.01, 100000.0));
-  add_correction_options(*verb, options->source);
-  verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  verb->add_flag("--json", options->json, "Print one JSON object");
-  verb->footer("Example:\n  ugoki judge walk.bvh --svg walk.svg\n  ugoki judge park.ugoki --strict");
-  verb->callback([options, &action] { action = [options] { return with_libraries(options->json, [&] { return run_judge(*options); }); }; });
+  verb.add_option("--skeleton,--asf", options->source.asf,
+                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
+  verb.add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)").check(range(0.1, 30.0));
+  verb.add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)").check(range(0.01, 100000.0));
+  add_correction_options(verb, options->source);
+  verb.add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb.add_flag("--json", options->json, "Print one JSON object");
+  verb.footer("Example:\n  ugoki judge walk.bvh --svg walk.svg\n  ugoki judge park.ugoki --strict");
+  verb.callback([options, &action] { action = [options] { return with_libraries(options->json, [&] { return run_judge(*options); }); }; });
 }
 
 }  // namespace ugoki::cli

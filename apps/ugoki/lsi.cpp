@@ -337,47 +337,47 @@ int run_watch(Options o) {
 
 }  // namespace
 
-void add_lsi_verb(CLI::App& app, Action& action) {
+void add_lsi_verb(Verb app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("lsi", "Create, build, test and install libraries of software LSIs, and install FMUs.");
-  verb->require_subcommand(1);
+  Verb verb = app.add_subcommand("lsi", "Create, build, test and install libraries of software LSIs, and install FMUs.");
+  verb.require_subcommand(1);
   const auto add = [&](const char* name, const char* doc, const char* target, const char* example, int (*run)(const Options&)) {
-    CLI::App* sub = verb->add_subcommand(name, doc);
-    if (*target) sub->add_option("target", options->target, target)->required();
-    sub->add_flag("--json", options->json, "Print one JSON object");
-    sub->add_option("--shelf", options->shelf, "Folder of installed libraries (default: $UGOKI_LSI or ~/.local/share/ugoki/lsi)");
-    sub->footer(std::string("Example:\n  ") + example);
-    sub->callback([options, run, &action] { action = [options, run] { return run(*options); }; });
+    Verb sub = verb.add_subcommand(name, doc);
+    if (*target) sub.add_option("target", options->target, target).required();
+    sub.add_flag("--json", options->json, "Print one JSON object");
+    sub.add_option("--shelf", options->shelf, "Folder of installed libraries (default: $UGOKI_LSI or ~/.local/share/ugoki/lsi)");
+    sub.footer(std::string("Example:\n  ") + example);
+    sub.callback([options, run, &action] { action = [options, run] { return run(*options); }; });
     return sub;
   };
   add("new", "Create a template: source, test and README.", "Name of the library, and of its folder",
       "ugoki lsi new spring && ugoki lsi test spring", run_new)
-      ->add_flag("--cpp", options->cpp, "Use a C++ struct instead of a C function");
-  const auto add_build_options = [&](CLI::App* sub) {
-    sub->add_option("-o,--output", options->output, "The library to write, *.so (default: in the folder of the source)");
-    sub->add_option("--name", options->name, "Name of the library (default: @library in the source, or the file's name)");
-    sub->add_option("--compiler", options->compiler, "Compiler (default: clang-19, clang, gcc; for C++ clang++-19, clang++, g++)");
+      .add_flag("--cpp", options->cpp, "Use a C++ struct instead of a C function");
+  const auto add_build_options = [&](Verb sub) {
+    sub.add_option("-o,--output", options->output, "The library to write, *.so (default: in the folder of the source)");
+    sub.add_option("--name", options->name, "Name of the library (default: @library in the source, or the file's name)");
+    sub.add_option("--compiler", options->compiler, "Compiler (default: clang-19, clang, gcc; for C++ clang++-19, clang++, g++)");
   };
-  CLI::App* build =
+  Verb build =
       add("build", "Wrap the functions of a C or C++ file into a library.", "C or C++ file", "ugoki lsi build spring.c", run_build);
   add_build_options(build);
-  build->add_flag("--install", options->install, "Install the library after building");
-  build->add_flag("--yes", options->yes, "Install without asking");
-  CLI::App* install_verb = add("install", "Install a library or an FMU, after your consent.", "Library (*.so) or FMU (*.fmu)",
-                               "ugoki lsi install spring.so", run_install);
-  install_verb->add_flag("--yes", options->yes, "Install without asking");
-  install_verb->add_option("--hash", options->hash, "Expected SHA-256 of the file; counts as consent if it matches");
+  build.add_flag("--install", options->install, "Install the library after building");
+  build.add_flag("--yes", options->yes, "Install without asking");
+  Verb install_verb = add("install", "Install a library or an FMU, after your consent.", "Library (*.so) or FMU (*.fmu)",
+                          "ugoki lsi install spring.so", run_install);
+  install_verb.add_flag("--yes", options->yes, "Install without asking");
+  install_verb.add_option("--hash", options->hash, "Expected SHA-256 of the file; counts as consent if it matches");
   add("list", "List the installed libraries.", "", "ugoki lsi list --all", run_list)
-      ->add_flag("--all", options->all, "Also list the built-in LSIs");
+      .add_flag("--all", options->all, "Also list the built-in LSIs");
   add("remove", "Remove an installed library.", "Its name", "ugoki lsi remove spring", run_remove);
   add("test", "Build the sources in a folder and run its tests (*.test.json).", "The folder", "ugoki lsi test spring", run_test)
-      ->add_option("--compiler", options->compiler, "Compiler");
+      .add_option("--compiler", options->compiler, "Compiler");
   add_build_options(add("watch", "Build and install a file whenever it changes.", "C or C++ file", "ugoki lsi watch spring.c",
                         [](const Options& o) { return run_watch(o); }));
-  CLI::App* describe_verb =
-      add("describe", "Print the description of a library.", "Library, *.so", "ugoki lsi describe spring.so", run_describe)->group("");
-  describe_verb->add_flag("--start", options->start, "Also start an FMU");
-  describe_verb->add_option("--hash", options->hash, "SHA-256 that the file must have");
+  Verb describe_verb =
+      add("describe", "Print the description of a library.", "Library, *.so", "ugoki lsi describe spring.so", run_describe).group("");
+  describe_verb.add_flag("--start", options->start, "Also start an FMU");
+  describe_verb.add_option("--hash", options->hash, "SHA-256 that the file must have");
 }
 
 }  // namespace ugoki::cli

@@ -1,5 +1,6 @@
 // The program `ugoki`: each verb of the command line has a file of its own.
 
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -10,7 +11,6 @@
 #include <string>
 
 #include "output.h"
-#include "ugoki/base/number.h"
 #include "ugoki/base/printable.h"
 #include "verb.h"
 
@@ -39,15 +39,6 @@ void refuse_nan(const CLI::App& app) {
 
 }  // namespace
 
-CLI::Validator ugoki::cli::number_from(double min, double max) {
-  const std::string range = to_text(min) + " to " + to_text(max);
-  return {[=](std::string& text) {
-            const std::optional<double> x = parse_double(text);
-            return x && *x >= min && *x <= max ? std::string() : "Value " + text + " is not a number from " + range;
-          },
-          "from " + range};
-}
-
 int main(int argc, char** argv) {
   using namespace ugoki::cli;
   std::signal(SIGXFSZ, SIG_IGN);  // a file above the size limit is then reported as the error EFBIG
@@ -58,24 +49,25 @@ int main(int argc, char** argv) {
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
     return ugoki::printable(error.what()) + "\nRun with --help for more information.\n";
   });
+  const Verb program(app);
   Action action;
-  add_studio_verb(app, action);
-  add_new_verb(app, action);
-  add_import_verb(app, action);
-  add_db_verb(app, action);
-  add_info_verb(app, action);
-  add_run_verb(app, action);
-  add_export_verb(app, action);
-  add_bake_verb(app, action);
-  add_judge_verb(app, action);
-  add_correct_verb(app, action);
-  add_gait_verb(app, action);
-  add_lsi_verb(app, action);
-  add_circuit_verb(app, action);
-  add_mechanism_verb(app, action);
-  add_convert_verb(app, action);
-  add_motion_verb(app, action);
-  add_retarget_verb(app, action);
+  add_studio_verb(program, action);
+  add_new_verb(program, action);
+  add_import_verb(program, action);
+  add_db_verb(program, action);
+  add_info_verb(program, action);
+  add_run_verb(program, action);
+  add_export_verb(program, action);
+  add_bake_verb(program, action);
+  add_judge_verb(program, action);
+  add_correct_verb(program, action);
+  add_gait_verb(program, action);
+  add_lsi_verb(program, action);
+  add_circuit_verb(program, action);
+  add_mechanism_verb(program, action);
+  add_convert_verb(program, action);
+  add_motion_verb(program, action);
+  add_retarget_verb(program, action);
   try {
     app.parse(argc, argv);
     refuse_nan(app);

@@ -101,14 +101,13 @@ Pose pose_of(const std::array<double, 3>& p, const std::array<double, 3>& degree
           {p[0], p[1], p[2]}};
 }
 
-CLI::App* add_operation(CLI::App& verb, const char* name, const char* what, const std::shared_ptr<Common>& common, int inputs,
-                        const char* of) {
-  CLI::App* command = verb.add_subcommand(name, what);
-  command->add_option("input", common->inputs, of)->required()->expected(inputs);
-  command->add_option("-o,--out", common->out, "The file to write: .json, .urdf or .xml (MJCF)")->required();
-  command->add_option("--library", common->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  add_robot_options(*command, common->source.robot);
-  command->add_flag("--json", common->json, "Print one JSON object");
+Verb add_operation(Verb verb, const char* name, const char* what, const std::shared_ptr<Common>& common, int inputs, const char* of) {
+  Verb command = verb.add_subcommand(name, what);
+  command.add_option("input", common->inputs, of).required().expected(inputs);
+  command.add_option("-o,--out", common->out, "The file to write: .json, .urdf or .xml (MJCF)").required();
+  command.add_option("--library", common->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_robot_options(command, common->source.robot);
+  command.add_flag("--json", common->json, "Print one JSON object");
   return command;
 }
 
@@ -148,53 +147,52 @@ int run_combine(const CombineChoice& c) {
   return finish(c.common, made->mechanism, std::move(made->report));
 }
 
-void add_combine(CLI::App& verb, Action& action) {
+void add_combine(Verb verb, Action& action) {
   auto c = std::make_shared<CombineChoice>();
   const std::shared_ptr<Common> common(c, &c->common);
-  CLI::App* command =
+  Verb command =
       add_operation(verb, "combine", "Combine two mechanisms into one, joined at a link of each", common, 2, "The two mechanisms");
-  command->add_option("--at", c->options.link_a, "Link of the first mechanism (default: the world)");
-  command->add_option("--to", c->options.link_b, "Link of the second mechanism (default: its first link)");
-  command->add_option("--position", c->position, "Position of the second mechanism's link in the first one's, m")->delimiter(',');
+  command.add_option("--at", c->options.link_a, "Link of the first mechanism (default: the world)");
+  command.add_option("--to", c->options.link_b, "Link of the second mechanism (default: its first link)");
+  command.add_option("--position", c->position, "Position of the second mechanism's link in the first one's, m").delimiter(',');
   command
-      ->add_option("--rotation", c->rotation, "Rotation of the second mechanism's link in the first one's, degrees about x, then y, then z")
-      ->delimiter(',');
-  command->add_option("--point", c->point, "Position of the joint or loop in the second mechanism's link, m")->delimiter(',');
-  command->add_option("--joint", c->joint, "Attach the second mechanism by a joint of this type")
-      ->check(CLI::IsMember({"fixed", "revolute", "prismatic", "cylindrical", "planar", "universal", "spherical", "floating"}))
-      ->capture_default_str();
-  command->add_option("--loop", c->loop, "Keep both mechanisms as they are and connect them by a loop of this type")
-      ->check(CLI::IsMember({"weld", "ball", "revolute", "prismatic", "cylindrical", "planar", "universal", "distance"}));
-  command->add_option("--axis", c->axis, "Axis of the joint or loop")->delimiter(',');
-  command->add_option("--length", c->options.loop.length, "Length of a distance loop, m");
-  command->add_option("--prefix-first", c->options.prefix_a, "Prefix of every name of the first mechanism");
-  command->add_option("--prefix-second", c->options.prefix_b,
-                      "Prefix of every name of the second mechanism (default: its name, if names would be duplicated)");
-  command->add_option("--name", c->options.name, "Name of the result");
-  command->footer(
+      .add_option("--rotation", c->rotation, "Rotation of the second mechanism's link in the first one's, degrees about x, then y, then z")
+      .delimiter(',');
+  command.add_option("--point", c->point, "Position of the joint or loop in the second mechanism's link, m").delimiter(',');
+  command.add_option("--joint", c->joint, "Attach the second mechanism by a joint of this type")
+      .check(one_of({"fixed", "revolute", "prismatic", "cylindrical", "planar", "universal", "spherical", "floating"}))
+      .capture_default_str();
+  command.add_option("--loop", c->loop, "Keep both mechanisms as they are and connect them by a loop of this type")
+      .check(one_of({"weld", "ball", "revolute", "prismatic", "cylindrical", "planar", "universal", "distance"}));
+  command.add_option("--axis", c->axis, "Axis of the joint or loop").delimiter(',');
+  command.add_option("--length", c->options.loop.length, "Length of a distance loop, m");
+  command.add_option("--prefix-first", c->options.prefix_a, "Prefix of every name of the first mechanism");
+  command.add_option("--prefix-second", c->options.prefix_b,
+                     "Prefix of every name of the second mechanism (default: its name, if names would be duplicated)");
+  command.add_option("--name", c->options.name, "Name of the result");
+  command.footer(
       "Example:\n  ugoki mechanism combine horse.json rider.json --at back --to pelvis --position 0,0,0.25 --loop weld -o riding.json");
-  command->callback([c, &action] { action = [c] { return run_combine(*c); }; });
+  command.callback([c, &action] { action = [c] { return run_combine(*c); }; });
 }
 
 // --- cut, mirror, scale, edit
 
-void add_cut(CLI::App& verb, Action& action) {
+void add_cut(Verb verb, Action& action) {
   struct Choice {
     Common common;
     std::string at, keep = "rest", base = "floating";
   };
   auto c = std::make_shared<Choice>();
-  CLI::App* command =
-      add_operation(verb, "cut", "Remove a link with its descendants, or keep only these", {c, &c->common}, 1, "The mechanism");
-  command->add_option("--at", c->at, "Link whose joint is cut")->required();
-  command->add_option("--keep", c->keep, "Which part to keep: the rest, or the part cut off")
-      ->check(CLI::IsMember({"rest", "part"}))
-      ->capture_default_str();
-  command->add_option("--base-joint", c->base, "Joint between the part cut off and the world")
-      ->check(CLI::IsMember({"floating", "fixed"}))
-      ->capture_default_str();
-  command->footer("Example:\n  ugoki mechanism cut man.json --at abdomen --keep part -o trunk.json");
-  command->callback([c, &action] {
+  Verb command = add_operation(verb, "cut", "Remove a link with its descendants, or keep only these", {c, &c->common}, 1, "The mechanism");
+  command.add_option("--at", c->at, "Link whose joint is cut").required();
+  command.add_option("--keep", c->keep, "Which part to keep: the rest, or the part cut off")
+      .check(one_of({"rest", "part"}))
+      .capture_default_str();
+  command.add_option("--base-joint", c->base, "Joint between the part cut off and the world")
+      .check(one_of({"floating", "fixed"}))
+      .capture_default_str();
+  command.footer("Example:\n  ugoki mechanism cut man.json --at abdomen --keep part -o trunk.json");
+  command.callback([c, &action] {
     action = [c] {
       const Result<MechanismPtr> m = load_input(c->common, 0);
       if (!m) return print_error(m.error(), c->common.json);
@@ -203,21 +201,18 @@ void add_cut(CLI::App& verb, Action& action) {
   });
 }
 
-void add_mirror(CLI::App& verb, Action& action) {
+void add_mirror(Verb verb, Action& action) {
   struct Choice {
     Common common;
     std::string axis = "y";
     bool keep_names = false;
   };
   auto c = std::make_shared<Choice>();
-  CLI::App* command =
-      add_operation(verb, "mirror", "Mirror a mechanism; left and right are exchanged", {c, &c->common}, 1, "The mechanism");
-  command->add_option("--across", c->axis, "Axis perpendicular to the mirror plane")
-      ->check(CLI::IsMember({"x", "y", "z"}))
-      ->capture_default_str();
-  command->add_flag("--keep-names", c->keep_names, "Do not exchange left and right in names");
-  command->footer("Example:\n  ugoki mechanism mirror left_arm.json -o right_arm.json");
-  command->callback([c, &action] {
+  Verb command = add_operation(verb, "mirror", "Mirror a mechanism; left and right are exchanged", {c, &c->common}, 1, "The mechanism");
+  command.add_option("--across", c->axis, "Axis perpendicular to the mirror plane").check(one_of({"x", "y", "z"})).capture_default_str();
+  command.add_flag("--keep-names", c->keep_names, "Do not exchange left and right in names");
+  command.footer("Example:\n  ugoki mechanism mirror left_arm.json -o right_arm.json");
+  command.callback([c, &action] {
     action = [c] {
       const Result<MechanismPtr> m = load_input(c->common, 0);
       if (!m) return print_error(m.error(), c->common.json);
@@ -226,7 +221,7 @@ void add_mirror(CLI::App& verb, Action& action) {
   });
 }
 
-void add_scale(CLI::App& verb, Action& action) {
+void add_scale(Verb verb, Action& action) {
   struct Choice {
     Common common;
     GrowOptions grow;
@@ -234,22 +229,22 @@ void add_scale(CLI::App& verb, Action& action) {
     std::string sex = "male";
   };
   auto c = std::make_shared<Choice>();
-  CLI::App* command = add_operation(verb, "scale", "Change size, mass or age", {c, &c->common}, 1, "The mechanism");
-  CLI::Option* age = command->add_option("--age", c->grow.age, "Age of a human in years, 2 to 20")->check(CLI::Range(2.0, 150.0));
-  CLI::Option* height =
-      command->add_option("--height", c->grow.height, "Height in m (default: the median of the age)")->check(number_from(1e-3, 1000.0));
-  command->add_option("--mass", c->grow.mass, "Mass in kg (default: the median of the age, or proportional to the cube of the height)")
-      ->check(number_from(1e-6, 1e9));
-  command->add_option("--sex", c->sex, "Sex whose medians are used")->check(CLI::IsMember({"male", "female"}))->capture_default_str();
-  command->add_option("--from-age", c->grow.from_age, "Age of the given body in years")->capture_default_str();
-  command->add_option("--from-height", c->grow.from_height, "Height of the given body in m (default: the height of its shapes)");
-  command->add_option("--factor", c->factor, "Factor of all lengths")->check(CLI::Range(1e-6, 1e6))->excludes(age)->excludes(height);
-  command->footer(
+  Verb command = add_operation(verb, "scale", "Change size, mass or age", {c, &c->common}, 1, "The mechanism");
+  const Option age = command.add_option("--age", c->grow.age, "Age of a human in years, 2 to 20").check(range(2.0, 150.0));
+  const Option height =
+      command.add_option("--height", c->grow.height, "Height in m (default: the median of the age)").check(number_from(1e-3, 1000.0));
+  command.add_option("--mass", c->grow.mass, "Mass in kg (default: the median of the age, or proportional to the cube of the height)")
+      .check(number_from(1e-6, 1e9));
+  command.add_option("--sex", c->sex, "Sex whose medians are used").check(one_of({"male", "female"})).capture_default_str();
+  command.add_option("--from-age", c->grow.from_age, "Age of the given body in years").capture_default_str();
+  command.add_option("--from-height", c->grow.from_height, "Height of the given body in m (default: the height of its shapes)");
+  command.add_option("--factor", c->factor, "Factor of all lengths").check(range(1e-6, 1e6)).excludes(age).excludes(height);
+  command.footer(
       "Example:\n  ugoki mechanism scale man.json --age 6 -o child.json\n  ugoki mechanism scale dog.json --height 1.2 --mass 60 -o "
       "mastiff.json");
-  command->callback([c, &action] {
+  command.callback([c, &action] {
     if (c->factor <= 0 && c->grow.age <= 0 && c->grow.height <= 0 && c->grow.mass <= 0)
-      throw CLI::ValidationError("scale", "needs --age, --height, --mass or --factor.");
+      refuse("scale", "needs --age, --height, --mass or --factor.");
     action = [c] {
       const Result<MechanismPtr> m = load_input(c->common, 0);
       if (!m) return print_error(m.error(), c->common.json);
@@ -259,19 +254,17 @@ void add_scale(CLI::App& verb, Action& action) {
   });
 }
 
-void add_edit(CLI::App& verb, Action& action) {
+void add_edit(Verb verb, Action& action) {
   struct Choice {
     Common common;
     std::vector<std::string> set;
   };
   auto c = std::make_shared<Choice>();
-  CLI::App* command =
+  Verb command =
       add_operation(verb, "edit", "Change limits, axes, springs or masses; the result is validated", {c, &c->common}, 1, "The mechanism");
-  command->add_option("--set", c->set, "LINK:FIELD=VALUE; may be repeated (docs/mechanisms.md lists the fields)")
-      ->required()
-      ->expected(1, -1);
-  command->footer("Example:\n  ugoki mechanism edit man.json --set 'shank left:joint.upper=2.4' --set head:inertia.mass=6 -o edited.json");
-  command->callback([c, &action] {
+  command.add_option("--set", c->set, "LINK:FIELD=VALUE; may be repeated (docs/mechanisms.md lists the fields)").required().expected(1, -1);
+  command.footer("Example:\n  ugoki mechanism edit man.json --set 'shank left:joint.upper=2.4' --set head:inertia.mass=6 -o edited.json");
+  command.callback([c, &action] {
     action = [c] {
       const Result<MechanismPtr> m = load_input(c->common, 0);
       if (!m) return print_error(m.error(), c->common.json);
@@ -292,23 +285,21 @@ void add_edit(CLI::App& verb, Action& action) {
 
 // --- body
 
-void add_body(CLI::App& verb, Action& action) {
+void add_body(Verb verb, Action& action) {
   struct Choice {
     Common common;
     std::string sex = "mean";
   };
   auto c = std::make_shared<Choice>();
-  CLI::App* command = add_operation(verb, "body", "Make a body for a skeleton from BVH, AMC, C3D, TRC, glTF, FBX, COLLADA", {c, &c->common},
-                                    1, "The measured file");
-  command->add_option("--height", c->common.source.intake.height, "Height of the person, m (default: estimated)")
-      ->check(CLI::Range(0.1, 30.0));
-  command->add_option("--mass", c->common.source.intake.mass, "Mass of the person, kg (default: estimated)")
-      ->check(CLI::Range(0.01, 100000.0));
-  command->add_option(
+  Verb command = add_operation(verb, "body", "Make a body for a skeleton from BVH, AMC, C3D, TRC, glTF, FBX, COLLADA", {c, &c->common}, 1,
+                               "The measured file");
+  command.add_option("--height", c->common.source.intake.height, "Height of the person, m (default: estimated)").check(range(0.1, 30.0));
+  command.add_option("--mass", c->common.source.intake.mass, "Mass of the person, kg (default: estimated)").check(range(0.01, 100000.0));
+  command.add_option(
       "--skeleton,--asf", c->common.source.asf,
       "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
-  command->footer("Example:\n  ugoki mechanism body walk.bvh --mass 70 -o walker.json");
-  command->callback([c, &action] {
+  command.footer("Example:\n  ugoki mechanism body walk.bvh --mass 70 -o walker.json");
+  command.callback([c, &action] {
     action = [c] {
       if (Result<void> may = check_outputs(input_files(c->common.inputs, c->common.source), {{"--out", c->common.out}}); !may)
         return print_error(may.error(), c->common.json);
@@ -389,41 +380,40 @@ int run_inertia(const InertiaChoice& c) {
   return 0;
 }
 
-void add_inertia(CLI::App& verb, Action& action) {
+void add_inertia(Verb verb, Action& action) {
   auto c = std::make_shared<InertiaChoice>();
-  CLI::App* command =
+  Verb command =
       verb.add_subcommand("inertia", "Calculate mass, centre of mass and moments of inertia of the volume that a closed mesh encloses");
-  command->add_option("mesh", c->mesh, "STL, OBJ or COLLADA")->required();
-  CLI::Option* density =
-      command->add_option("--density", c->options.density, "kg/m^3")->check(CLI::Range(1e-6, 1e6))->capture_default_str();
-  command->add_option("--mass", c->options.mass, "Mass in kg, instead of a density")->check(CLI::Range(1e-9, 1e12))->excludes(density);
-  command->add_option("--unit", c->unit, "Metres per unit of length of the file")->check(CLI::Range(1e-6, 1e3))->capture_default_str();
-  command->add_flag("--hull", c->hull, "Use the convex hull (for meshes with holes)");
-  CLI::Option* into = command->add_option("--mechanism", c->into, "Mechanism in which a link is given this inertia");
-  CLI::Option* link = command->add_option("--link", c->link, "Link of that mechanism")->needs(into);
-  CLI::Option* out = command->add_option("-o,--out", c->out, "File for the changed mechanism: .json, .urdf or .xml")->needs(link);
-  into->needs(link);
-  link->needs(out);
-  command->add_flag("--json", c->json, "Print one JSON object");
-  command->footer("Example:\n  ugoki mechanism inertia skull.stl --unit 0.001 --mass 4.2");
-  command->callback([c, &action] { action = [c] { return run_inertia(*c); }; });
+  command.add_option("mesh", c->mesh, "STL, OBJ or COLLADA").required();
+  const Option density = command.add_option("--density", c->options.density, "kg/m^3").check(range(1e-6, 1e6)).capture_default_str();
+  command.add_option("--mass", c->options.mass, "Mass in kg, instead of a density").check(range(1e-9, 1e12)).excludes(density);
+  command.add_option("--unit", c->unit, "Metres per unit of length of the file").check(range(1e-6, 1e3)).capture_default_str();
+  command.add_flag("--hull", c->hull, "Use the convex hull (for meshes with holes)");
+  const Option into = command.add_option("--mechanism", c->into, "Mechanism in which a link is given this inertia");
+  const Option link = command.add_option("--link", c->link, "Link of that mechanism").needs(into);
+  const Option out = command.add_option("-o,--out", c->out, "File for the changed mechanism: .json, .urdf or .xml").needs(link);
+  into.needs(link);
+  link.needs(out);
+  command.add_flag("--json", c->json, "Print one JSON object");
+  command.footer("Example:\n  ugoki mechanism inertia skull.stl --unit 0.001 --mass 4.2");
+  command.callback([c, &action] { action = [c] { return run_inertia(*c); }; });
 }
 
 }  // namespace
 
-void add_mechanism_verb(CLI::App& app, Action& action) {
-  CLI::App* verb = app.add_subcommand("mechanism", "Combine, cut, mirror, scale and edit mechanisms; calculate inertias; make bodies.");
-  verb->require_subcommand(1);
-  verb->footer(
+void add_mechanism_verb(Verb app, Action& action) {
+  Verb verb = app.add_subcommand("mechanism", "Combine, cut, mirror, scale and edit mechanisms; calculate inertias; make bodies.");
+  verb.require_subcommand(1);
+  verb.footer(
       "Inputs are entries of the library or files: mechanism JSON, URDF, SDF, MJCF, or a measured file, for whose skeleton a body is "
       "made.");
-  add_combine(*verb, action);
-  add_cut(*verb, action);
-  add_mirror(*verb, action);
-  add_scale(*verb, action);
-  add_edit(*verb, action);
-  add_inertia(*verb, action);
-  add_body(*verb, action);
+  add_combine(verb, action);
+  add_cut(verb, action);
+  add_mirror(verb, action);
+  add_scale(verb, action);
+  add_edit(verb, action);
+  add_inertia(verb, action);
+  add_body(verb, action);
 }
 
 }  // namespace ugoki::cli

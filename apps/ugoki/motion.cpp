@@ -127,38 +127,38 @@ Result<void> check_output(const Common& c, const std::string& out) {
   return check_outputs(input_files(c.inputs, c.source), {{"--out", writes_file(out) ? out : ""}});
 }
 
-CLI::App* add_operation(CLI::App& verb, const char* name, const char* what, const CommonPtr& c, int minimum, int maximum) {
-  CLI::App* command = verb.add_subcommand(name, what);
+Verb add_operation(Verb verb, const char* name, const char* what, const CommonPtr& c, int minimum, int maximum) {
+  Verb command = verb.add_subcommand(name, what);
   command
-      ->add_option("input", c->inputs,
-                   maximum > 1 ? "Motions: BVH, AMC, C3D, TRC, glTF files or names in the library"
-                               : "A BVH, AMC, C3D, TRC or glTF file or a motion of the library")
-      ->required()
-      ->expected(minimum, maximum);
-  command->add_option(
+      .add_option("input", c->inputs,
+                  maximum > 1 ? "Motions: BVH, AMC, C3D, TRC, glTF files or names in the library"
+                              : "A BVH, AMC, C3D, TRC or glTF file or a motion of the library")
+      .required()
+      .expected(minimum, maximum);
+  command.add_option(
       "--skeleton,--asf", c->source.asf,
       "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
-  command->add_option("--height", c->source.intake.height, "Height of the person in m (default: estimated)")->check(CLI::Range(0.1, 30.0));
-  command->add_option("--mass", c->source.intake.mass, "Mass of the person in kg (default: estimated)")->check(CLI::Range(0.01, 100000.0));
-  command->add_option("--library", c->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  command->add_option("--feet", c->feet, "Links that stand on the ground (default: found automatically)")->delimiter(',');
-  command->add_option("--ground", c->ground, "Height of the ground, m")->check([](const std::string& text) {
+  command.add_option("--height", c->source.intake.height, "Height of the person in m (default: estimated)").check(range(0.1, 30.0));
+  command.add_option("--mass", c->source.intake.mass, "Mass of the person in kg (default: estimated)").check(range(0.01, 100000.0));
+  command.add_option("--library", c->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  command.add_option("--feet", c->feet, "Links that stand on the ground (default: found automatically)").delimiter(',');
+  command.add_option("--ground", c->ground, "Height of the ground, m").check(Check([](const std::string& text) {
     const std::optional<double> number = parse_double(text);
     return number && std::fabs(*number) <= 1e6 ? std::string() : "'" + text + "' is not a height in metres between -1e6 and 1e6";
-  });
-  command->add_flag("--find-ground", c->find_ground, "Estimate the height of the ground from the standing feet");
-  command->add_flag("--json", c->json, "Print one JSON object");
+  }));
+  command.add_flag("--find-ground", c->find_ground, "Estimate the height of the ground from the standing feet");
+  command.add_flag("--json", c->json, "Print one JSON object");
   return command;
 }
-void add_out(CLI::App* command, const CommonPtr& c) {
-  command->add_option("-o,--out", c->out, "Output: a .bvh or .glb file, or a name without a dot for an entry of the library");
+void add_out(Verb command, const CommonPtr& c) {
+  command.add_option("-o,--out", c->out, "Output: a .bvh or .glb file, or a name without a dot for an entry of the library");
 }
 
 /// An operation on one motion. run_by() declares the command that runs it.
 using Operation = std::function<Result<Motion>(const Mechanism&, const Motion&, Json& report)>;
-void run_by(CLI::App* command, Action& action, const CommonPtr& c, Operation operation) {
+void run_by(Verb command, Action& action, const CommonPtr& c, Operation operation) {
   add_out(command, c);
-  command->callback([c, operation = std::move(operation), &action] {
+  command.callback([c, operation = std::move(operation), &action] {
     action = [c, operation] {
       if (Result<void> may = check_output(*c, c->out); !may) return print_error(may.error(), c->json);
       const Result<MotionSet> set = load_motions(c->inputs, c->source);
@@ -171,9 +171,9 @@ void run_by(CLI::App* command, Action& action, const CommonPtr& c, Operation ope
 }
 /// An operation on two motions. run_by_pair() declares the command that runs it.
 using Pair = std::function<Result<Motion>(const Mechanism&, const Motion&, const Motion&)>;
-void run_by_pair(CLI::App* command, Action& action, const CommonPtr& c, Pair operation) {
+void run_by_pair(Verb command, Action& action, const CommonPtr& c, Pair operation) {
   add_out(command, c);
-  command->callback([c, operation = std::move(operation), &action] {
+  command.callback([c, operation = std::move(operation), &action] {
     action = [c, operation] {
       if (Result<void> may = check_output(*c, c->out); !may) return print_error(may.error(), c->json);
       const Result<MotionSet> set = load_motions(c->inputs, c->source);
@@ -190,59 +190,59 @@ int frame_at(const Motion& m, double seconds) {
   return std::isnan(frame) ? -1 : static_cast<int>(std::lround(std::clamp(frame, -1e9, 1e9)));
 }
 
-void add_trim(CLI::App& verb, Action& action) {
+void add_trim(Verb verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* command = add_operation(verb, "trim", "Keep the part between two times.", c, 1, 1);
+  Verb command = add_operation(verb, "trim", "Keep the part between two times.", c, 1, 1);
   const auto from = std::make_shared<double>(0), to = std::make_shared<double>(-1);
-  command->add_option("--from", *from, "s")->check(CLI::NonNegativeNumber);
-  command->add_option("--to", *to, "End in s (default: the end of the motion)");
+  command.add_option("--from", *from, "s").check(not_negative());
+  command.add_option("--to", *to, "End in s (default: the end of the motion)");
   run_by(command, action, c, [from, to](const Mechanism&, const Motion& m, Json&) {
     return trim(m, frame_at(m, *from), *to < 0 ? m.frames - 1 : frame_at(m, *to));
   });
 }
 
-void add_simple(CLI::App& verb, Action& action) {
+void add_simple(Verb verb, Action& action) {
   const auto backwards = std::make_shared<Common>(), image = std::make_shared<Common>(), other = std::make_shared<Common>();
   run_by(add_operation(verb, "reverse", "Reverse the motion in time.", backwards, 1, 1), action, backwards,
          [](const Mechanism&, const Motion& m, Json&) { return Result<Motion>(reverse(m)); });
   run_by(add_operation(verb, "mirror", "Exchange left and right.", image, 1, 1), action, image,
          [](const Mechanism& mechanism, const Motion& m, Json&) { return mirror(mechanism, m); });
-  CLI::App* command = add_operation(verb, "resample", "Change the frame rate.", other, 1, 1);
+  Verb command = add_operation(verb, "resample", "Change the frame rate.", other, 1, 1);
   const auto rate = std::make_shared<double>(0);
-  command->add_option("--rate", *rate, "Frames per second")->required();
+  command.add_option("--rate", *rate, "Frames per second").required();
   run_by(command, action, other, [rate](const Mechanism& mechanism, const Motion& m, Json&) { return resample(mechanism, m, *rate); });
 }
 
-void add_scale(CLI::App& verb, Action& action) {
+void add_scale(Verb verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* command = add_operation(verb, "scale", "Scale travelled distances or the duration.", c, 1, 1);
+  Verb command = add_operation(verb, "scale", "Scale travelled distances or the duration.", c, 1, 1);
   const auto o = std::make_shared<ScaleOptions>();
-  command->add_option("--length", o->length, "Factor of the root's travel and of sliding joints")->capture_default_str();
-  command->add_option("--time", o->time, "Factor of the duration")->capture_default_str();
-  command->add_flag("--froude", o->froude, "Scale time with the square root of length (Froude)");
+  command.add_option("--length", o->length, "Factor of the root's travel and of sliding joints").capture_default_str();
+  command.add_option("--time", o->time, "Factor of the duration").capture_default_str();
+  command.add_flag("--froude", o->froude, "Scale time with the square root of length (Froude)");
   run_by(command, action, c, [o](const Mechanism& mechanism, const Motion& m, Json&) { return scale(mechanism, m, *o); });
 }
 
-void add_warp(CLI::App& verb, Action& action) {
+void add_warp(Verb verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* command = add_operation(verb, "warp", "Change the speed over time by a monotone curve.", c, 1, 1);
+  Verb command = add_operation(verb, "warp", "Change the speed over time by a monotone curve.", c, 1, 1);
   const auto points = std::make_shared<std::vector<std::pair<double, double>>>();
-  command->add_option("--point", *points, "New time and the time of the original motion, s; two or more points")->required();
+  command.add_option("--point", *points, "New time and the time of the original motion, s; two or more points").required();
   run_by(command, action, c, [points](const Mechanism& mechanism, const Motion& m, Json&) {
     std::vector<TimePoint> curve;
     for (const auto& [time, source] : *points) curve.push_back({time, source});
     return time_warp(mechanism, m, curve);
   });
-  command->footer("Example:\n  ugoki motion warp walk.bvh --point 0 0 --point 1 0.5 --point 2 2 -o slow-start.bvh");
+  command.footer("Example:\n  ugoki motion warp walk.bvh --point 0 0 --point 1 0.5 --point 2 2 -o slow-start.bvh");
 }
 
-void add_join(CLI::App& verb, Action& action) {
+void add_join(Verb verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* command = add_operation(verb, "join", "Join two motions, one after the other.", c, 2, 2);
+  Verb command = add_operation(verb, "join", "Join two motions, one after the other.", c, 2, 2);
   const auto o = std::make_shared<JoinOptions>();
   const auto stay = std::make_shared<bool>(false);
-  command->add_option("--blend", o->blend, "Duration of the transition, s")->capture_default_str();
-  command->add_flag("--where-it-is", *stay, "Leave the second motion where it was recorded");
+  command.add_option("--blend", o->blend, "Duration of the transition, s").capture_default_str();
+  command.add_flag("--where-it-is", *stay, "Leave the second motion where it was recorded");
   run_by_pair(command, action, c, [o, stay](const Mechanism& mechanism, const Motion& a, const Motion& b) {
     JoinOptions options = *o;
     options.where_it_ends = !*stay;
@@ -265,21 +265,21 @@ std::vector<MaskEntry> entries_of(const std::vector<std::string>& mask) {
   return out;
 }
 
-void add_layers(CLI::App& verb, Action& action) {
+void add_layers(Verb verb, Action& action) {
   for (const bool additive : {false, true}) {
     const auto c = std::make_shared<Common>();
-    CLI::App* command = add_operation(verb, additive ? "layer" : "mix",
-                                      additive ? "Add the second motion's change relative to its first frame to the first motion."
-                                               : "Replace joints of the first motion by those of the second.",
-                                      c, 2, 2);
+    Verb command = add_operation(verb, additive ? "layer" : "mix",
+                                 additive ? "Add the second motion's change relative to its first frame to the first motion."
+                                          : "Replace joints of the first motion by those of the second.",
+                                 c, 2, 2);
     const auto layer = std::make_shared<Layer>();
     command
-        ->add_option("--joints", layer->mask,
-                     "Links (names or labels) with their descendants, each with an optional :WEIGHT (default: all links)")
-        ->delimiter(',');
-    command->add_option("--weight", layer->options.weight, "Weight of the layer")->capture_default_str();
-    command->add_option("--at", layer->options.offset, "Time at which the second motion begins, s")->capture_default_str();
-    command->add_option("--fade", layer->options.fade, "Duration of fading in and out, s")->capture_default_str();
+        .add_option("--joints", layer->mask,
+                    "Links (names or labels) with their descendants, each with an optional :WEIGHT (default: all links)")
+        .delimiter(',');
+    command.add_option("--weight", layer->options.weight, "Weight of the layer").capture_default_str();
+    command.add_option("--at", layer->options.offset, "Time at which the second motion begins, s").capture_default_str();
+    command.add_option("--fade", layer->options.fade, "Duration of fading in and out, s").capture_default_str();
     run_by_pair(command, action, c, [layer, additive](const Mechanism& mechanism, const Motion& a, const Motion& b) -> Result<Motion> {
       const Result<JointMask> mask = make_mask(mechanism, entries_of(layer->mask));
       if (!mask) return fail(mask.error());
@@ -288,10 +288,10 @@ void add_layers(CLI::App& verb, Action& action) {
   }
 }
 
-void add_contacts(CLI::App& verb, Action& action) {
+void add_contacts(Verb verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* command = add_operation(verb, "contacts", "Report when each foot stands and how far it slides.", c, 1, 1);
-  command->callback([c, &action] {
+  Verb command = add_operation(verb, "contacts", "Report when each foot stands and how far it slides.", c, 1, 1);
+  command.callback([c, &action] {
     action = [c] {
       const Result<MotionSet> set = load_motions(c->inputs, c->source);
       if (!set) return print_error(set.error(), c->json);
@@ -325,14 +325,14 @@ void add_contacts(CLI::App& verb, Action& action) {
   });
 }
 
-void add_lock(CLI::App& verb, Action& action) {
+void add_lock(Verb verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* command = add_operation(verb, "lock", "Keep standing feet at fixed positions.", c, 1, 1);
+  Verb command = add_operation(verb, "lock", "Keep standing feet at fixed positions.", c, 1, 1);
   const auto o = std::make_shared<FootLockOptions>();
-  command->add_option("--ease", o->ease, "Time before and after a stance in which the correction fades, s")->capture_default_str();
-  command->add_option("--stretch", o->stretch, "Maximum extension of a leg, as a fraction of its length")
-      ->capture_default_str()
-      ->check(CLI::Range(0.5, 1.0));
+  command.add_option("--ease", o->ease, "Time before and after a stance in which the correction fades, s").capture_default_str();
+  command.add_option("--stretch", o->stretch, "Maximum extension of a leg, as a fraction of its length")
+      .capture_default_str()
+      .check(range(0.5, 1.0));
   run_by(command, action, c, [c, o](const Mechanism& m, const Motion& motion, Json& more) -> Result<Motion> {
     Result<std::vector<FootLimb>> feet = feet_of(m, *c);
     if (!feet) return fail(feet.error());
@@ -343,14 +343,14 @@ void add_lock(CLI::App& verb, Action& action) {
   });
 }
 
-void add_cycle(CLI::App& verb, Action& action) {
+void add_cycle(Verb verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* command = add_operation(verb, "cycle", "Extract one cycle that repeats without a seam.", c, 1, 1);
+  Verb command = add_operation(verb, "cycle", "Extract one cycle that repeats without a seam.", c, 1, 1);
   const auto from = std::make_shared<double>(-1), to = std::make_shared<double>(-1);
   const auto slide = std::make_shared<bool>(false);
-  command->add_option("--from", *from, "Begin of the cycle, s (default: the best cycle is found)");
-  command->add_option("--to", *to, "s");
-  command->add_flag("--no-lock", *slide, "Do not lock the feet");
+  command.add_option("--from", *from, "Begin of the cycle, s (default: the best cycle is found)");
+  command.add_option("--to", *to, "s");
+  command.add_flag("--no-lock", *slide, "Do not lock the feet");
   run_by(command, action, c, [c, from, to, slide](const Mechanism& m, const Motion& motion, Json& more) -> Result<Motion> {
     CycleOptions o;
     o.contacts = c->contacts();
@@ -421,32 +421,32 @@ int run_blend(const Common& c, const BlendChoice& choice) {
   return 0;
 }
 
-void add_blend(CLI::App& verb, Action& action) {
+void add_blend(Verb verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* command = add_operation(verb, "blend", "Blend two or more cyclic motions into an intermediate motion.", c, 1, 16);
+  Verb command = add_operation(verb, "blend", "Blend two or more cyclic motions into an intermediate motion.", c, 1, 16);
   add_out(command, c);
   const auto choice = std::make_shared<BlendChoice>();
-  CLI::Option* weights =
-      command->add_option("--weights", choice->weights, "Weight of each motion, separated by commas (default: equal)")->delimiter(',');
-  command->add_option("--at", choice->shares, "Percentage of the second of two motions; several values make several motions")
-      ->delimiter(',')
-      ->check(CLI::Range(0.0, 100.0))
-      ->excludes(weights);
-  command->callback([c, choice, &action] {
-    if (!choice->shares.empty() && c->inputs.size() != 2) throw CLI::ValidationError("--at", "needs two motions; use --weights.");
+  const Option weights =
+      command.add_option("--weights", choice->weights, "Weight of each motion, separated by commas (default: equal)").delimiter(',');
+  command.add_option("--at", choice->shares, "Percentage of the second of two motions; several values make several motions")
+      .delimiter(',')
+      .check(range(0.0, 100.0))
+      .excludes(weights);
+  command.callback([c, choice, &action] {
+    if (!choice->shares.empty() && c->inputs.size() != 2) refuse("--at", "needs two motions; use --weights.");
     action = [c, choice] { return run_blend(*c, *choice); };
   });
-  command->footer(
+  command.footer(
       "Example:\n  ugoki motion blend walk.bvh run.bvh --at 50 -o jog.bvh\n  ugoki motion blend walk run --at 0,25,50,75,100 -o gait.bvh");
 }
 
-void add_path(CLI::App& verb, Action& action) {
+void add_path(Verb verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* command = add_operation(verb, "path", "Bend the path over the ground along a curve.", c, 1, 1);
+  Verb command = add_operation(verb, "path", "Bend the path over the ground along a curve.", c, 1, 1);
   const auto points = std::make_shared<std::vector<std::pair<double, double>>>();
   const auto stretch = std::make_shared<bool>(false);
-  command->add_option("--point", *points, "x and y in m; two or more")->required();
-  command->add_flag("--stretch", *stretch, "Scale the path to the length of the curve (default: keep the length of the steps)");
+  command.add_option("--point", *points, "x and y in m; two or more").required();
+  command.add_flag("--stretch", *stretch, "Scale the path to the length of the curve (default: keep the length of the steps)");
   run_by(command, action, c, [c, points, stretch](const Mechanism& m, const Motion& motion, Json& more) {
     std::vector<PathPoint> curve;
     for (const auto& [x, y] : *points) curve.push_back({x, y});
@@ -460,12 +460,12 @@ void add_path(CLI::App& verb, Action& action) {
   });
 }
 
-void add_reduce(CLI::App& verb, Action& action) {
+void add_reduce(Verb verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* command = add_operation(verb, "reduce", "Reduce the number of keys within an error bound.", c, 1, 1);
+  Verb command = add_operation(verb, "reduce", "Reduce the number of keys within an error bound.", c, 1, 1);
   const auto o = std::make_shared<ReduceOptions>();
-  command->add_option("--degrees", o->degrees, "Maximum rotation error of a joint, degrees")->capture_default_str();
-  command->add_option("--metres", o->metres, "Maximum translation error, m")->capture_default_str();
+  command.add_option("--degrees", o->degrees, "Maximum rotation error of a joint, degrees").capture_default_str();
+  command.add_option("--metres", o->metres, "Maximum translation error, m").capture_default_str();
   run_by(command, action, c, [o](const Mechanism& m, const Motion& motion, Json& more) -> Result<Motion> {
     const Result<MotionCurves> curves = reduce_keys(m, motion, *o);
     if (!curves) return fail(curves.error());
@@ -474,13 +474,13 @@ void add_reduce(CLI::App& verb, Action& action) {
   });
 }
 
-void add_forces(CLI::App& verb, Action& action) {
+void add_forces(Verb verb, Action& action) {
   const auto c = std::make_shared<Common>();
-  CLI::App* command = add_operation(verb, "forces", "Calculate contact forces from the force plates of a C3D file.", c, 1, 1);
+  Verb command = add_operation(verb, "forces", "Calculate contact forces from the force plates of a C3D file.", c, 1, 1);
   const auto o = std::make_shared<capture::ForcePlateOptions>();
-  command->add_option("--cutoff", o->cutoff, "Cutoff frequency of the low-pass filter, Hz; 0: no filter")->capture_default_str();
-  command->add_option("--threshold", o->threshold, "Forces below this are zero, N")->capture_default_str();
-  command->callback([c, o, &action] {
+  command.add_option("--cutoff", o->cutoff, "Cutoff frequency of the low-pass filter, Hz; 0: no filter").capture_default_str();
+  command.add_option("--threshold", o->threshold, "Forces below this are zero, N").capture_default_str();
+  command.callback([c, o, &action] {
     action = [c, o] {
       const Result<std::string> bytes = files::read_file(c->inputs[0]);
       if (!bytes) return print_error(bytes.error(), c->json);
@@ -518,24 +518,24 @@ void add_forces(CLI::App& verb, Action& action) {
 
 }  // namespace
 
-void add_motion_verb(CLI::App& app, Action& action) {
-  CLI::App* verb = app.add_subcommand("motion", "Operations on motions: blend, cycle, lock, trim, join, mirror, ...");
-  verb->require_subcommand(1);
-  add_blend(*verb, action);
-  add_contacts(*verb, action);
-  add_cycle(*verb, action);
-  add_forces(*verb, action);
-  add_join(*verb, action);
-  add_layers(*verb, action);
-  add_lock(*verb, action);
-  add_path(*verb, action);
-  add_reduce(*verb, action);
-  add_scale(*verb, action);
-  add_simple(*verb, action);
-  add_torque_operations(*verb, action);
-  add_trim(*verb, action);
-  add_warp(*verb, action);
-  verb->footer("Example:\n  ugoki motion blend walk.bvh run.bvh --at 50 -o jog.bvh\n  ugoki motion lock jump.bvh -o still-feet.bvh");
+void add_motion_verb(Verb app, Action& action) {
+  Verb verb = app.add_subcommand("motion", "Operations on motions: blend, cycle, lock, trim, join, mirror, ...");
+  verb.require_subcommand(1);
+  add_blend(verb, action);
+  add_contacts(verb, action);
+  add_cycle(verb, action);
+  add_forces(verb, action);
+  add_join(verb, action);
+  add_layers(verb, action);
+  add_lock(verb, action);
+  add_path(verb, action);
+  add_reduce(verb, action);
+  add_scale(verb, action);
+  add_simple(verb, action);
+  add_torque_operations(verb, action);
+  add_trim(verb, action);
+  add_warp(verb, action);
+  verb.footer("Example:\n  ugoki motion blend walk.bvh run.bvh --at 50 -o jog.bvh\n  ugoki motion lock jump.bvh -o still-feet.bvh");
 }
 
 }  // namespace ugoki::cli

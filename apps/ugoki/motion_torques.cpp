@@ -83,37 +83,37 @@ int run_conversion(Options o, bool torques) {
   return made ? finish(o, made->content, made->characters, nullptr) : print_error(made.error(), o.json);
 }
 
-CLI::App* add_operation(CLI::App& motion, const char* name, const char* doc, const std::shared_ptr<Options>& o) {
-  CLI::App* verb = motion.add_subcommand(name, doc);
-  verb->add_option("target", o->target, "Project, motion file, or motion of the library")->required();
-  verb->add_option("-o,--out", o->out, "Project (*.ugoki) to create")->required()->type_name("FILE");
-  verb->add_option("--duration", o->conversion.duration, "Seconds to convert (default: the duration of the scenario)")
-      ->check(CLI::Range(0.001, 86400.0));
-  verb->add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  verb->add_option("--skeleton", o->source.asf, "Skeleton (*.asf) of an AMC file");
-  verb->add_flag("--json", o->json, "Print one JSON object");
+Verb add_operation(Verb motion, const char* name, const char* doc, const std::shared_ptr<Options>& o) {
+  Verb verb = motion.add_subcommand(name, doc);
+  verb.add_option("target", o->target, "Project, motion file, or motion of the library").required();
+  verb.add_option("-o,--out", o->out, "Project (*.ugoki) to create").required().type_name("FILE");
+  verb.add_option("--duration", o->conversion.duration, "Seconds to convert (default: the duration of the scenario)")
+      .check(range(0.001, 86400.0));
+  verb.add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb.add_option("--skeleton", o->source.asf, "Skeleton (*.asf) of an AMC file");
+  verb.add_flag("--json", o->json, "Print one JSON object");
   return verb;
 }
 
 }  // namespace
 
-void add_torque_operations(CLI::App& motion, Action& action) {
+void add_torque_operations(Verb motion, Action& action) {
   const auto to = std::make_shared<Options>(), back = std::make_shared<Options>();
-  CLI::App* torques = add_operation(motion, "torques", "Convert tracks to joint torques from a first state.", to);
-  torques->add_flag("--own-control", to->conversion.own_control,
-                    "Drive the characters with the control of the content (default: servos follow the coordinates exactly)");
-  torques->add_option("--assist-limit", to->assist_limit, "Limit of the root assist of all characters, body weights; with --own-control")
-      ->check(CLI::Range(0.0, 10.0));
-  torques->add_option("--rate", to->step_rate, "Steps per second of a motion that is not part of a project")
-      ->check(CLI::Range(250.0, 2000.0))
-      ->capture_default_str();
-  torques->footer("Example:\n  ugoki motion torques walk.bvh --own-control --assist-limit 0 -o walk-torques.ugoki");
-  torques->callback([to, &action] { action = [to] { return run_conversion(*to, true); }; });
-  CLI::App* angles = add_operation(motion, "angles", "Convert torque-oriented motions to coordinates.", back);
-  angles->add_option("--rate", back->conversion.rate, "Frames per second of the coordinates (default: one for each step)")
-      ->check(CLI::Range(10.0, 2000.0));
-  angles->footer("Example:\n  ugoki motion angles walk-torques.ugoki -o walk-angles.ugoki");
-  angles->callback([back, &action] { action = [back] { return run_conversion(*back, false); }; });
+  Verb torques = add_operation(motion, "torques", "Convert tracks to joint torques from a first state.", to);
+  torques.add_flag("--own-control", to->conversion.own_control,
+                   "Drive the characters with the control of the content (default: servos follow the coordinates exactly)");
+  torques.add_option("--assist-limit", to->assist_limit, "Limit of the root assist of all characters, body weights; with --own-control")
+      .check(range(0.0, 10.0));
+  torques.add_option("--rate", to->step_rate, "Steps per second of a motion that is not part of a project")
+      .check(range(250.0, 2000.0))
+      .capture_default_str();
+  torques.footer("Example:\n  ugoki motion torques walk.bvh --own-control --assist-limit 0 -o walk-torques.ugoki");
+  torques.callback([to, &action] { action = [to] { return run_conversion(*to, true); }; });
+  Verb angles = add_operation(motion, "angles", "Convert torque-oriented motions to coordinates.", back);
+  angles.add_option("--rate", back->conversion.rate, "Frames per second of the coordinates (default: one for each step)")
+      .check(range(10.0, 2000.0));
+  angles.footer("Example:\n  ugoki motion angles walk-torques.ugoki -o walk-angles.ugoki");
+  angles.callback([back, &action] { action = [back] { return run_conversion(*back, false); }; });
 }
 
 }  // namespace ugoki::cli

@@ -6,6 +6,6 @@
 namespace ugoki::cli {
 
 /// Adds both operations to the verb `motion`.
-void add_torque_operations(CLI::App& motion, Action& action);
+void add_torque_operations(Verb motion, Action& action);
 
 }  // namespace ugoki::cli

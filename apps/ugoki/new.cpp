@@ -55,18 +55,18 @@ int run_new(const Options& options) {
 
 }  // namespace
 
-void add_new_verb(CLI::App& app, Action& action) {
+void add_new_verb(Verb app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("new", "Create a project with the sample content, or an empty one.");
-  verb->add_option("project", options->path, "The file to create, *.ugoki")->required();
-  verb->add_option("--name", options->name, "Name of the content");
-  auto* empty = verb->add_flag("--empty", options->empty, "Without the sample content");
-  verb->add_option("--from", options->from,
-                   "JSON file with a scenario, mechanisms and motions, for example from the folder examples/content")
-      ->excludes(empty);
-  verb->add_flag("--json", options->json, "Print one JSON object");
-  verb->footer("Example:\n  ugoki new park.ugoki");
-  verb->callback([options, &action] { action = [options] { return run_new(*options); }; });
+  Verb verb = app.add_subcommand("new", "Create a project with the sample content, or an empty one.");
+  verb.add_option("project", options->path, "The file to create, *.ugoki").required();
+  verb.add_option("--name", options->name, "Name of the content");
+  const Option empty = verb.add_flag("--empty", options->empty, "Without the sample content");
+  verb.add_option("--from", options->from,
+                  "JSON file with a scenario, mechanisms and motions, for example from the folder examples/content")
+      .excludes(empty);
+  verb.add_flag("--json", options->json, "Print one JSON object");
+  verb.footer("Example:\n  ugoki new park.ugoki");
+  verb.callback([options, &action] { action = [options] { return run_new(*options); }; });
 }
 
 }  // namespace ugoki::cli

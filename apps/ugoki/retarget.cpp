@@ -106,38 +106,38 @@ int run_retarget(const Options& o) {
 
 }  // namespace
 
-void add_retarget_verb(CLI::App& app, Action& action) {
+void add_retarget_verb(Verb app, Action& action) {
   auto o = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("retarget", "Transfer a motion to another body, animal or robot.");
-  verb->add_option("motion", o->motion, "BVH, AMC, C3D, TRC, glTF or GLB file, or a motion of the library")->required();
-  CLI::Option* to =
-      verb->add_option("--to", o->to, "Target: mechanism file (JSON, URDF, SDF, MJCF), measured file, entry of the library, human or dog");
-  CLI::Option* height = verb->add_option("--height", o->height, "Target: a person of this height in m")->check(CLI::Range(0.8, 5.0));
-  to->excludes(height);
-  verb->add_option("-o,--out", o->out, "Output: a .bvh or .glb file, or the name of a new entry in the library");
-  verb->add_option("--mechanism-out", o->mechanism_out, "Also write the mechanism, as JSON");
-  verb->add_option("--mapping", o->mapping, "JSON file that maps links (docs/retarget.md)");
-  verb->add_option("--path-scale", o->path_scale, "Factor of the path over the ground (default: ratio of leg lengths)")
-      ->check(CLI::Range(0.01, 100.0));
-  verb->add_option("--gait-phase", o->gait_phase,
-                   "Two legs to four: delay of the fore legs after the hind legs of their side, as a fraction of a stride")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  verb->add_flag("--free-feet", o->free_feet, "Transfer joint rotations only; feet may slide");
-  verb->add_flag("--free-hands", o->free_hands, "Do not constrain hands that hold an object");
-  verb->add_flag("--balance", o->balance, "Keep the centre of mass over the standing feet (slow motions)");
-  verb->add_flag("--slow", o->slow, "Slow the motion down until no joint is faster than the mapping allows");
-  verb->add_flag("--strict", o->strict, "Exit status 1 if a standing foot or a holding hand misses its position by more than 1 mm");
-  verb->add_option("--skeleton,--asf", o->source.asf,
-                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
-  add_robot_options(*verb, o->source.robot);
-  verb->add_option("--library", o->source.library, "Library (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  verb->add_flag("--json", o->json, "Print one JSON object");
-  verb->footer(
+  Verb verb = app.add_subcommand("retarget", "Transfer a motion to another body, animal or robot.");
+  verb.add_option("motion", o->motion, "BVH, AMC, C3D, TRC, glTF or GLB file, or a motion of the library").required();
+  const Option to =
+      verb.add_option("--to", o->to, "Target: mechanism file (JSON, URDF, SDF, MJCF), measured file, entry of the library, human or dog");
+  const Option height = verb.add_option("--height", o->height, "Target: a person of this height in m").check(range(0.8, 5.0));
+  to.excludes(height);
+  verb.add_option("-o,--out", o->out, "Output: a .bvh or .glb file, or the name of a new entry in the library");
+  verb.add_option("--mechanism-out", o->mechanism_out, "Also write the mechanism, as JSON");
+  verb.add_option("--mapping", o->mapping, "JSON file that maps links (docs/retarget.md)");
+  verb.add_option("--path-scale", o->path_scale, "Factor of the path over the ground (default: ratio of leg lengths)")
+      .check(range(0.01, 100.0));
+  verb.add_option("--gait-phase", o->gait_phase,
+                  "Two legs to four: delay of the fore legs after the hind legs of their side, as a fraction of a stride")
+      .check(range(0.0, 1.0))
+      .capture_default_str();
+  verb.add_flag("--free-feet", o->free_feet, "Transfer joint rotations only; feet may slide");
+  verb.add_flag("--free-hands", o->free_hands, "Do not constrain hands that hold an object");
+  verb.add_flag("--balance", o->balance, "Keep the centre of mass over the standing feet (slow motions)");
+  verb.add_flag("--slow", o->slow, "Slow the motion down until no joint is faster than the mapping allows");
+  verb.add_flag("--strict", o->strict, "Exit status 1 if a standing foot or a holding hand misses its position by more than 1 mm");
+  verb.add_option("--skeleton,--asf", o->source.asf,
+                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
+  add_robot_options(verb, o->source.robot);
+  verb.add_option("--library", o->source.library, "Library (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb.add_flag("--json", o->json, "Print one JSON object");
+  verb.footer(
       "Example:\n  ugoki retarget walk.bvh --height 1.1 -o child.bvh\n  ugoki retarget walk.bvh --to robot.urdf --json\n  ugoki retarget "
       "walk.bvh --to dog -o dog.glb");
-  verb->callback([o, &action] {
-    if (o->to.empty() && !(o->height > 0)) throw CLI::ValidationError("--to", "or --height is required.");
+  verb.callback([o, &action] {
+    if (o->to.empty() && !(o->height > 0)) refuse("--to", "or --height is required.");
     action = [o] { return run_retarget(*o); };
   });
 }

@@ -35,14 +35,14 @@ Result<std::optional<SideFile>> find_loops_file(const std::string& path) {
 
 }  // namespace
 
-void add_robot_options(CLI::App& verb, RobotChoice& choice) {
+void add_robot_options(Verb verb, RobotChoice& choice) {
   verb.add_option("--base", choice.base, "Base of a URDF, SDF or MJCF: fixed to the world or floating (default: as the file specifies)")
-      ->check(CLI::IsMember({"fixed", "floating"}));
+      .check(one_of({"fixed", "floating"}));
   verb.add_option("--meshes", choice.meshes, "Meshes: exact surface, convex hull, bounding box, or left out (default: hull)")
-      ->check(CLI::IsMember({"exact", "hull", "box", "none"}));
+      .check(one_of({"exact", "hull", "box", "none"}));
   verb.add_flag("--require-meshes", choice.require_meshes, "Treat a missing or unusable collision mesh as an error instead of a note");
   verb.add_option("--inertias", choice.inertias, "Physically impossible inertias: repair or refuse (default: repair)")
-      ->check(CLI::IsMember({"repair", "strict"}));
+      .check(one_of({"repair", "strict"}));
   verb.add_option("--loops", choice.loops, "YAML file that lists the loops of a URDF or SDF (default: NAME.yaml in its folder)");
 }
 

@@ -1,12 +1,12 @@
 #pragma once
 // Options of verbs that read descriptions of mechanisms (URDF, SDF, MJCF).
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
 #include "ugoki/base/result.h"
 #include "ugoki/robot_formats/robot_model.h"
+#include "verb.h"
 
 namespace ugoki::cli {
 
@@ -18,7 +18,7 @@ struct RobotChoice {
 };
 
 /// Declares --base, --meshes, --require-meshes, --inertias and --loops.
-void add_robot_options(CLI::App& verb, RobotChoice& choice);
+void add_robot_options(Verb verb, RobotChoice& choice);
 
 /// Makes the reader's options for a file; meshes are read from disk. Errors: the loops file cannot be read.
 [[nodiscard]] Result<robot_formats::RobotOptions> robot_options(const std::string& path, const RobotChoice& choice);

@@ -198,48 +198,41 @@ int run_run(const Options& options) {
 
 }  // namespace
 
-void add_run_verb(CLI::App& app, Action& action) {
+void add_run_verb(Verb app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("run", "Run a clip, a project or executable data as dynamics, and print measures.");
-  verb->add_option("target", options->target, "BVH or AMC file, motion of the library, *.ugoki or *.ugx")->required();
-  CLI::Option* rate = verb->add_option("--rate", options->rate, "Steps per second (default of a project: its own step)")
-                          ->check(CLI::Range(250.0, 2000.0))
-                          ->capture_default_str();
-  verb->add_option("--duration", options->duration, "Seconds to run (default: to the end)")->check(CLI::Range(0.0005, 86400.0));
-  verb->add_option("--steps", options->steps, "Simulation steps to run (default: to the end)")->check(CLI::Range(1, 1'000'000'000));
-  verb->add_option("--threads", options->threads, "Number of threads; the result does not depend on it")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  verb->add_option("--inputs", options->inputs, "Recorded inputs, JSON (docs/export.md)");
-  verb->add_option("--push", options->push, "Push with this force in N")->check(CLI::Range(-1e6, 1e6));
-  verb->add_option("--push-time", options->push_time, "Time at which the push begins, s")
-      ->check(CLI::Range(0.0, 86400.0))
-      ->capture_default_str();
-  verb->add_option("--push-duration", options->push_duration, "Duration of the push, s")
-      ->check(CLI::Range(0.0005, 3600.0))
-      ->capture_default_str();
-  verb->add_option("--push-link", options->push_link, "Link to push, by name or label")->capture_default_str();
-  verb->add_option("--push-direction", options->push_direction,
-                   "Direction x,y of the push; x is the character's forward direction at the start, y its left")
-      ->delimiter(',')
-      ->expected(2);
-  verb->add_option("--assist-limit", options->assist_limit, "Cap of the root assist, body weights")->check(CLI::Range(0.0, 10.0));
-  verb->add_option("--frames", options->frames, "Write the display frames to this file (docs/files.md)");
-  verb->add_option("--ugx", options->executable, "Write the executable data to this file");
-  verb->add_option("--skeleton,--asf", options->source.asf,
-                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
-  verb->add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)")
-      ->check(CLI::Range(0.1, 30.0));
-  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)")
-      ->check(CLI::Range(0.01, 100000.0));
-  add_correction_options(*verb, options->source);
-  verb->add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  verb->add_flag("--json", options->json, "Print one JSON object");
-  verb->footer("Example:\n  ugoki run walk.bvh --json\n  ugoki run 12_01.amc --push 150 --push-time 2 --push-direction 0,1");
-  verb->callback([options, rate, &action] {
-    options->rate_given = rate->count() > 0;
-    if (std::hypot(options->push_direction[0], options->push_direction[1]) < 1e-9)
-      throw CLI::ValidationError("--push-direction", "must not be 0,0.");
+  Verb verb = app.add_subcommand("run", "Run a clip, a project or executable data as dynamics, and print measures.");
+  verb.add_option("target", options->target, "BVH or AMC file, motion of the library, *.ugoki or *.ugx").required();
+  const Option rate = verb.add_option("--rate", options->rate, "Steps per second (default of a project: its own step)")
+                          .check(range(250.0, 2000.0))
+                          .capture_default_str();
+  verb.add_option("--duration", options->duration, "Seconds to run (default: to the end)").check(range(0.0005, 86400.0));
+  verb.add_option("--steps", options->steps, "Simulation steps to run (default: to the end)").check(range(1, 1'000'000'000));
+  verb.add_option("--threads", options->threads, "Number of threads; the result does not depend on it")
+      .check(range(1, 64))
+      .capture_default_str();
+  verb.add_option("--inputs", options->inputs, "Recorded inputs, JSON (docs/export.md)");
+  verb.add_option("--push", options->push, "Push with this force in N").check(range(-1e6, 1e6));
+  verb.add_option("--push-time", options->push_time, "Time at which the push begins, s").check(range(0.0, 86400.0)).capture_default_str();
+  verb.add_option("--push-duration", options->push_duration, "Duration of the push, s").check(range(0.0005, 3600.0)).capture_default_str();
+  verb.add_option("--push-link", options->push_link, "Link to push, by name or label").capture_default_str();
+  verb.add_option("--push-direction", options->push_direction,
+                  "Direction x,y of the push; x is the character's forward direction at the start, y its left")
+      .delimiter(',')
+      .expected(2);
+  verb.add_option("--assist-limit", options->assist_limit, "Cap of the root assist, body weights").check(range(0.0, 10.0));
+  verb.add_option("--frames", options->frames, "Write the display frames to this file (docs/files.md)");
+  verb.add_option("--ugx", options->executable, "Write the executable data to this file");
+  verb.add_option("--skeleton,--asf", options->source.asf,
+                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
+  verb.add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)").check(range(0.1, 30.0));
+  verb.add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)").check(range(0.01, 100000.0));
+  add_correction_options(verb, options->source);
+  verb.add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb.add_flag("--json", options->json, "Print one JSON object");
+  verb.footer("Example:\n  ugoki run walk.bvh --json\n  ugoki run 12_01.amc --push 150 --push-time 2 --push-direction 0,1");
+  verb.callback([options, rate, &action] {
+    options->rate_given = rate.given();
+    if (std::hypot(options->push_direction[0], options->push_direction[1]) < 1e-9) refuse("--push-direction", "must not be 0,0.");
     action = [options] { return with_libraries(options->json, [&] { return run_run(*options); }); };
   });
 }

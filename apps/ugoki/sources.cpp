@@ -1,6 +1,5 @@
 #include "sources.h"
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 
@@ -72,15 +71,15 @@ Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions&
 
 }  // namespace
 
-void add_correction_options(CLI::App& verb, SourceOptions& options) {
+void add_correction_options(Verb verb, SourceOptions& options) {
   verb.add_option("--unit", options.intake.unit, "Metres per unit of length of the file (default: as the file specifies, or estimated)")
-      ->check(CLI::Range(1e-6, 1000.0));
+      .check(range(1e-6, 1000.0));
   verb.add_flag("--travel", options.intake.travel, "Give a character that walks in place (on a treadmill) the travel of its feet");
   verb.add_option("--mapping", options.mapping, "Correct the recognised anatomy by a JSON file that `ugoki info --mapping-out` wrote");
   verb.add_option("--character", options.intake.character, "Character of a file with several: its number from 1, or its root joint");
   verb.add_option("--take", options.intake.take, "Motion of a file with several: its number from 1, or its name");
   const auto axis = [&options](bool is_up) {
-    return [&options, is_up](const std::string& text) -> std::string {
+    return Check([&options, is_up](const std::string& text) -> std::string {
       const std::optional<intake::FileAxis> named = intake::file_axis_named(text);
       if (!named) return "must be x, -x, y, -y, z or -z.";
       intake::Orientation& o = options.intake.axes ? *options.intake.axes : options.intake.axes.emplace(intake::usual_orientation(false));
@@ -88,11 +87,11 @@ void add_correction_options(CLI::App& verb, SourceOptions& options) {
       // If no forward axis is given, it is the axis that follows the up axis: Z forward with Y up, X forward with Z up.
       if (is_up) o.forward = {(named->axis + 1) % 3, false};
       return {};
-    };
+    });
   };
   verb.add_option("--up", "Up axis of the file: x, -x, y, -y, z or -z (default: as the file specifies, or by the character's posture)")
-      ->check(axis(true));
-  verb.add_option("--forward", "Forward axis of the file, after --up (default: z for y up, x for z up, y for x up)")->check(axis(false));
+      .check(axis(true));
+  verb.add_option("--forward", "Forward axis of the file, after --up (default: z for y up, x for z up, y for x up)").check(axis(false));
 }
 
 std::string library_path(const std::string& option) { return option.empty() ? store::Library::default_path() : option; }

@@ -28,7 +28,7 @@ struct SourceOptions {
 };
 
 /// Adds the options --unit, --up, --forward, --travel, --mapping, --character and --take, which correct a motion file or choose from it.
-void add_correction_options(CLI::App& verb, SourceOptions& options);
+void add_correction_options(Verb verb, SourceOptions& options);
 
 /// Path of the library: `option`, or the default path if it is empty.
 [[nodiscard]] std::string library_path(const std::string& option);

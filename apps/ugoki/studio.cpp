@@ -99,21 +99,21 @@ int run_studio(const Options& options) {
 
 }  // namespace
 
-void add_studio_verb(CLI::App& app, Action& action) {
+void add_studio_verb(Verb app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("studio", "Open the studio in the browser.");
-  verb->add_option("project", options->project, "The project, *.ugoki (default: the sample content)");
-  verb->add_option("--port", options->port, "Port on 127.0.0.1 (default: any free port)");
-  verb->add_flag("--no-open", options->no_open, "Do not open a browser");
-  verb->add_option("--web", options->web, "Folder of the built page");
-  verb->add_option("--library", options->library, "The library's file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
-  verb->add_flag("--json", options->json, "Print the address as one JSON object");
-  verb->footer("Example:\n  ugoki studio park.ugoki --port 8420");
-  verb->callback([options, &action] { action = [options] { return run_studio(*options); }; });
+  Verb verb = app.add_subcommand("studio", "Open the studio in the browser.");
+  verb.add_option("project", options->project, "The project, *.ugoki (default: the sample content)");
+  verb.add_option("--port", options->port, "Port on 127.0.0.1 (default: any free port)");
+  verb.add_flag("--no-open", options->no_open, "Do not open a browser");
+  verb.add_option("--web", options->web, "Folder of the built page");
+  verb.add_option("--library", options->library, "The library's file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb.add_flag("--json", options->json, "Print the address as one JSON object");
+  verb.footer("Example:\n  ugoki studio park.ugoki --port 8420");
+  verb.callback([options, &action] { action = [options] { return run_studio(*options); }; });
 
-  CLI::App* interpret = app.add_subcommand("interpret", "Run content for a studio.");
-  interpret->group("");  // an empty group hides the verb from the help
-  interpret->callback([&action] { action = [] { return studio::run_interpreter(studio::open_player); }; });
+  Verb interpret = app.add_subcommand("interpret", "Run content for a studio.");
+  interpret.group("");  // an empty group hides the verb from the help
+  interpret.callback([&action] { action = [] { return studio::run_interpreter(studio::open_player); }; });
 }
 
 }  // namespace ugoki::cli
