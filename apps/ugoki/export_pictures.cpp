@@ -44,7 +44,7 @@ int browser_count(int pictures, bool graphics_processor) {
   return std::clamp(pictures / pictures_a_browser, 1, std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, max_browsers));
 }
 
-/// Finds the browser that draws. The headless shell of Chromium has no windows and draws with a fifth less processor time than Chromium,
+/// Finds the browser that draws. The headless shell of Chromium has no windows and starts with a little less processor time than Chromium,
 /// but it does not use every graphics processor.
 Result<std::string> find_browser(const std::string& given, bool graphics_processor) {
   const char* remedy = "Install Chromium (`apt-get install chromium`), or name a browser with --browser.";
@@ -54,7 +54,7 @@ Result<std::string> find_browser(const std::string& given, bool graphics_process
 }
 
 /// Returns the argument that opens `address`: in a window without tabs and menus, whose moving parts (such as the mark of a page that is
-/// being loaded) would be drawn beside the pictures and take a seventh of the processor time. A headless shell has no such window.
+/// being loaded) would be drawn beside the pictures. A headless shell has no such window.
 std::string page_word(const std::string& browser, const std::string& address) {
   return fs::path(browser).filename().string().contains("headless-shell") ? address : "--app=" + address;
 }
