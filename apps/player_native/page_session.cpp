@@ -81,7 +81,16 @@ void PageSession::run() {
   }
 }
 
+/// Sends the values of the variables if they have changed.
+void PageSession::send_variables() {
+  player_.variable_values(variables_);
+  if (variables_ == sent_variables_) return;
+  sent_variables_ = variables_;
+  outbox_->broadcast(json::to_text(Json{{"event", "variables"}, {"values", variables_}}));
+}
+
 void PageSession::send_frame() {
+  send_variables();
   player_.display_frame(frame_);
   auto bytes = std::make_shared<std::vector<std::byte>>();
   const auto number = static_cast<std::uint32_t>(std::llround(player_.time() * player_.content().frame_rate));
@@ -115,6 +124,7 @@ void PageSession::handle(const Message& message) {
     f.integer("link", link);
     f.number("duration", duration);
     if (op == "hello") {
+      sent_variables_.clear();  // the new page has no values
       const Result<Json> scene = json::parse_json(content::scene_json(player_.content()), "scene", std::size_t{1} << 31);
       const Result<Json> devices = json::parse_json(circuit::write_device_use(player_.devices().use()), "devices");
       outbox_->send(message.client,

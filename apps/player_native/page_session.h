@@ -44,10 +44,12 @@ class PageSession final : public studio::ServerEvents {
   void run();
   void handle(const Message& message);
   void send_frame();
+  void send_variables();
   void send_stopped(const Error& error);
 
   content::Player player_;
   content::DisplayFrame frame_;
+  std::vector<double> variables_, sent_variables_;  // present values, and those that the pages have
   circuit::DeviceState held_;
   studio::Outbox* outbox_ = nullptr;
   std::mutex mutex_;

@@ -11,6 +11,7 @@
 //   ugoki_input(address, size) -> 1 accepted, 0 refused       keyboard, mouse and gamepads: the fields of `input` in that document, as JSON
 //   ugoki_devices() -> address, ugoki_message_size()          devices that the content reads, as JSON: the fields of the event `devices`
 //   ugoki_scene() -> address, ugoki_message_size()            JSON that a page draws before the first frame: content::scene_json()
+//   ugoki_variables() -> address of doubles                  values of the variables of the scene, in its order
 //   ugoki_schedule(address, size) -> 1 accepted, 0 refused    recorded inputs, as JSON (docs/export.md), to be applied after a reset
 //   ugoki_inputs() -> address, ugoki_message_size()           inputs since the last reset, as JSON in the form of ugoki_schedule
 //   ugoki_steps() -> number of steps since time 0; ugoki_reset() restarts; ugoki_message() -> address, ugoki_message_size(): UTF-8
@@ -35,6 +36,7 @@ struct Session {
   ugoki::content::DisplayFrame frame;
   ugoki::circuit::DeviceState held;
   std::vector<std::byte> bytes;
+  std::vector<double> variables;
   std::string message;
 };
 
@@ -141,6 +143,12 @@ PLAYER_EXPORT(ugoki_scene) const char* ugoki_scene() {
   Session& s = session();
   s.message = s.player ? ugoki::content::scene_json(s.player->content()) : "{}";
   return s.message.data();
+}
+
+PLAYER_EXPORT(ugoki_variables) const double* ugoki_variables() {
+  Session& s = session();
+  if (s.player) s.player->variable_values(s.variables);
+  return s.variables.data();
 }
 
 PLAYER_EXPORT(ugoki_schedule) std::int32_t ugoki_schedule(const char* json, std::uint32_t size) {

@@ -9,6 +9,7 @@
 #include "ugoki/circuit/interpreter.h"
 #include "ugoki/content/commands.h"
 #include "ugoki/content/default_circuit.h"
+#include "ugoki/content/mechanism_display.h"
 #include "ugoki/content/player.h"
 #include "ugoki/lsi/standard_library.h"
 
@@ -253,6 +254,27 @@ TEST_F(RulesTest, AThirdTouchOfAKeyPlaysAMotion) {
     EXPECT_EQ(value(*player, "choice-human.now"), round < 3 ? 0 : 1) << round;
   }
   EXPECT_EQ(value(*player, "rule-r9.count"), 1);
+}
+
+TEST_F(RulesTest, ViewersSeeTheValuesOfShownVariables) {
+  for (const char* command : counting_rules) good(command);
+  Player player = run(document, resources, {"KeyH"}, 0.02);
+  ASSERT_EQ(player.content().variables, std::vector{document.variables[0]}) << "the variable that is not shown is left out";
+  std::vector<double> values;
+  player.variable_values(values);
+  EXPECT_EQ(values, std::vector{1.0});
+  EXPECT_NE(scene_json(player.content()).find(R"("variables":[{"id":"hits","name":"Hits","kind":"number")"), std::string::npos)
+      << scene_json(player.content());
+  player.reset();
+  player.variable_values(values);
+  EXPECT_EQ(values, std::vector{0.0});
+  // Rules act in the generated circuit only. A circuit of its own that has no LSI for the variable has no value.
+  Scenario wired = document;
+  Scenario plain = document;
+  plain.rules.clear();
+  plain.variables.clear();
+  wired.circuit = run(plain, resources, {}, 0.01).content().circuit;
+  EXPECT_TRUE(run(wired, resources, {}, 0.01).content().variables.empty());
 }
 
 /// Each comparison of the variable with 2, for its values 1, 2 and 3.

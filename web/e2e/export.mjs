@@ -321,15 +321,21 @@ await test('on a phone one finger pulls and two fingers zoom', async () => {
   await phone.context().close();
 });
 
+/** Starts a native program. @return its address, and a function that ends it */
+async function serve(name) {
+  const program = spawn(at(name), ['--no-open', '--json'], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const text = await new Promise((done, fail) => {
+    let all = '';
+    program.stdout.on('data', (d) => (all += d).includes('}') && done(all));
+    program.on('exit', () => fail(new Error('the program ended')));
+  });
+  return { ...JSON.parse(text), stop: () => program.kill() };
+}
+
 await test('the native program serves its page, runs the content, and reaches the same state', async () => {
-  const program = spawn(at('park'), ['--no-open', '--json'], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const program = await serve('park');
   try {
-    const text = await new Promise((done, fail) => {
-      let all = '';
-      program.stdout.on('data', (d) => (all += d).includes('}') && done(all));
-      program.on('exit', () => fail(new Error('the program ended')));
-    });
-    const served = await open(JSON.parse(text).address);
+    const served = await open(program.address);
     await served.waitForFunction(() => document.querySelector('ugoki-player').time > 0.2, undefined, { timeout: 30000 });
     const { done, hash } = await repeat(served, steps);
     expect(done === steps && hash === wanted, `${done} steps, ${hash}, wanted ${wanted}`);
@@ -343,7 +349,49 @@ await test('the native program serves its page, runs the content, and reaches th
     expect((await served.evaluate(() => document.querySelector('ugoki-player').recorded())).some((i) => i.type === 'grab'), 'no grab');
     await served.context().close();
   } finally {
-    program.kill();
+    program.stop();
+  }
+});
+
+await test('the page and the native program show the variables of rules', async () => {
+  const content = JSON.parse(readFileSync(join(examples, 'chain.json'), 'utf8'));
+  content.scenario.variables = [
+    { id: 'score', name: 'Score', kind: 'number', initial: 10, unit: 'points' },
+    { id: 'alarm', name: 'Alarm', kind: 'switch', initial: 0 },
+    { id: 'secret', name: 'Secret', kind: 'number', initial: 0, shown: false },
+  ];
+  const key = [{ type: 'key', key: 'KeyH' }];
+  content.scenario.rules = [
+    { id: 'count', name: 'Count', if: key, do: { type: 'set', variable: 'score', change: 'add', value: 5 } },
+    { id: 'ring', name: 'Ring', if: key, do: { type: 'set', variable: 'alarm', change: 'toggle' } },
+  ];
+  writeFileSync(at('score.json'), JSON.stringify(content));
+  run('new', at('score.ugoki'), '--from', at('score.json'));
+  run('export', at('score.ugoki'), '--html', at('score.html'), '--native', at('score'));
+  const program = await serve('score');
+  try {
+    for (const address of [`file://${at('score.html')}`, program.address]) {
+      const game = await open(address);
+      const shown = () =>
+        game.evaluate(() => {
+          const player = document.querySelector('ugoki-player');
+          const rows = [...player.shadowRoot.querySelectorAll('.board div')].map((row) => [...row.children].map((c) => c.textContent).join(' '));
+          return [...player.variables.map((v) => `${v.id} ${v.value}`), ...rows].join(', ');
+        });
+      const wait = async (wanted) => {
+        for (let tries = 0; tries < 100 && (await shown()) !== wanted; tries++) await game.waitForTimeout(100);
+        expect((await shown()) === wanted, `${await shown()}, wanted ${wanted}`);
+      };
+      await game.evaluate(() => document.querySelector('ugoki-player').play());
+      await wait('score 10, alarm 0, Score 10 points, Alarm off');
+      await game.locator('ugoki-player canvas').focus();
+      await game.keyboard.press('h', { delay: 100 });
+      await wait('score 15, alarm 1, Score 15 points, Alarm on');
+      if (process.env.UGOKI_PICTURES) await game.screenshot({ path: join(process.env.UGOKI_PICTURES, 'variables.png') });
+      await game.context().close();
+    }
+  } finally {
+    program.stop();
   }
 });
 

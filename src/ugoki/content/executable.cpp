@@ -95,6 +95,8 @@ class Reader {
     out_.cameras = s.cameras;
     out_.shots = s.shots;
     out_.look = s.look;
+    for (const ScenarioVariable& v : s.variables)
+      if (v.shown) out_.variables.push_back(v);
   }
 
   void take_characters(const Scenario& s, std::span<const std::byte> bytes) {

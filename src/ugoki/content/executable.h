@@ -73,7 +73,8 @@ struct Executable {
   std::vector<FilmCamera> cameras;
   std::vector<FilmShot> shots;
   ScenarioLook look;
-  std::string circuit;  ///< JSON, docs/circuit.md
+  std::vector<ScenarioVariable> variables;  ///< those that viewers show
+  std::string circuit;                      ///< JSON, docs/circuit.md
 };
 
 /// Reads executable data and checks them completely: file structure, document, indices, values, and that the motions fit the mechanisms.

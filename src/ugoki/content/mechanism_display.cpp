@@ -6,6 +6,7 @@
 
 #include "ugoki/base/base64.h"
 #include "ugoki/content/film_json.h"
+#include "ugoki/content/scenario_json.h"
 #include "ugoki/json/json.h"
 #include "ugoki/mechanism/state.h"
 
@@ -123,19 +124,21 @@ std::string scene_json(const Executable& content) {
   for (std::size_t i = 0; i < content.mechanisms.size(); ++i)
     mechanisms.push_back(mechanism_display(content.mechanism_ids[i], *content.mechanisms[i], {}));
   Json scene = Json{{"name", content.name},
-                            {"duration", content.duration},
-                            {"frame_rate", content.frame_rate},
-                            {"step", content.step},
-                            {"ground", {{"height", content.ground.height}}},
-                            {"camera",
-                             {{"follow", content.camera.follow},
-                              {"distance", content.camera.distance},
-                              {"azimuth", content.camera.azimuth},
-                              {"elevation", content.camera.elevation}}},
-                            {"look", to_json(content.look)},
-                            {"characters", std::move(characters)},
-                            {"mechanisms", std::move(mechanisms)}};
+                    {"duration", content.duration},
+                    {"frame_rate", content.frame_rate},
+                    {"step", content.step},
+                    {"ground", {{"height", content.ground.height}}},
+                    {"camera",
+                     {{"follow", content.camera.follow},
+                      {"distance", content.camera.distance},
+                      {"azimuth", content.camera.azimuth},
+                      {"elevation", content.camera.elevation}}},
+                    {"look", to_json(content.look)},
+                    {"characters", std::move(characters)},
+                    {"mechanisms", std::move(mechanisms)}};
   write_film(content.cameras, content.shots, scene);
+  if (!content.variables.empty()) scene["variables"] = Json::array();
+  for (const ScenarioVariable& v : content.variables) scene["variables"].push_back(to_json(v));
   return json::to_text(scene);
 }
 

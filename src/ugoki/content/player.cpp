@@ -6,6 +6,7 @@
 #include "ugoki/base/hash.h"
 #include "ugoki/circuit/executor.h"
 #include "ugoki/content/generate.h"
+#include "ugoki/content/rule_circuit.h"
 #include "ugoki/lsi/standard_library.h"
 #include "ugoki/lsi/touch.h"
 #include "ugoki/lsi/track_sampler.h"
@@ -29,9 +30,10 @@ struct Player::Machine {
   struct StepPins {
     PinView not_converged, substeps, failures;
   };
-  std::vector<PinView> touches;   // output `touches` of every dynamics LSI
-  std::vector<StepPins> quality;  // report pins of every dynamics LSI
-  std::span<std::byte> live;      // input `live` of the circuit: the user's events for the next step
+  std::vector<PinView> touches;    // output `touches` of every dynamics LSI
+  std::vector<StepPins> quality;   // report pins of every dynamics LSI
+  std::vector<PinView> variables;  // values of content.variables
+  std::span<std::byte> live;       // input `live` of the circuit: the user's events for the next step
   circuit::DeviceFeed devices;
   std::vector<PlayerInput> inputs;     // inputs applied since the start
   std::vector<PlayerInput> scheduled;  // sorted by step
@@ -164,6 +166,13 @@ Result<void> Player::Machine::bind() {
     const auto a = output("not converged"), b = output("substeps"), c = output("failures");
     if (a && b && c) m.quality.push_back({*a, *b, *c});
   }
+  m.variables.clear();
+  std::erase_if(m.content.variables, [&](const ScenarioVariable& v) {
+    const auto pin = i.find_output(variable_lsi(v.id) + ".value");
+    const bool found = pin && pin->type == PinTypeId::scalar && pin->count == 1;
+    if (found) m.variables.push_back(*pin);
+    return !found;
+  });
   m.devices = circuit::DeviceFeed(*m.interpreter);
   m.live = m.interpreter->find_circuit_input("live");
   if (m.live.size() != sizeof(std::uint64_t) + max_live * sizeof(EventRecord))
@@ -403,6 +412,13 @@ void Player::Machine::refresh() {
   if (displayed) return;
   interpreter->refresh();
   displayed = true;
+}
+
+void Player::variable_values(std::vector<double>& values) {
+  Machine& m = *machine_;
+  m.refresh();
+  values.clear();
+  for (const PinView& pin : m.variables) values.push_back(pin.numbers()[0]);
 }
 
 void Player::display_frame(DisplayFrame& frame) {

@@ -147,6 +147,8 @@ class Player {
   void display_frame(DisplayFrame& frame);
   /// Computes the poses of the tracks at `time` [s], without physics. All characters are in the state `edit`.
   void pose_at(double time, DisplayFrame& frame) const;
+  /// Writes the present values of content().variables. Variables whose LSIs are not in the circuit were removed from this list.
+  void variable_values(std::vector<double>& values);
   [[nodiscard]] PlayerMeasures measures(int character);
   /// Returns the index of the link with the name or label `name`; -1: none.
   [[nodiscard]] int find_link(int character, std::string_view name) const;

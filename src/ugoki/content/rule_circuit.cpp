@@ -104,11 +104,6 @@ class Maker {
     wire(condition, id + ".when");
   }
 
-  static std::string variable_lsi(const std::string& variable) {
-    std::string id = "variable-" + variable;
-    std::replace(id.begin(), id.end(), '.', '_');
-    return id;
-  }
   /// Adds an LSI for each variable, in a column left of the rules.
   void add_variables() {
     double y = y_;
@@ -288,6 +283,12 @@ class Maker {
 };
 
 }  // namespace
+
+std::string variable_lsi(const std::string& variable) {
+  std::string id = "variable-" + variable;
+  std::replace(id.begin(), id.end(), '.', '_');
+  return id;
+}
 
 void add_rules(Circuit& circuit, const Scenario& scenario) { Maker(circuit, scenario).make(); }
 

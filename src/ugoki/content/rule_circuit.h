@@ -1,6 +1,8 @@
 #pragma once
 // LSIs of the generated execution circuit that evaluate the rules of a scenario.
 
+#include <string>
+
 #include "ugoki/circuit/circuit.h"
 #include "ugoki/content/scenario.h"
 
@@ -13,5 +15,7 @@ namespace ugoki::content {
 /// clips, or balances without root assist.
 /// @param circuit  result of make_execution_circuit() for the same scenario
 void add_rules(circuit::Circuit& circuit, const Scenario& scenario);
+/// Id of the LSI of a variable. Its output `value` is the value of the variable.
+[[nodiscard]] std::string variable_lsi(const std::string& variable);
 
 }  // namespace ugoki::content

@@ -6,6 +6,7 @@ import { format_time } from '../core/format';
 import { assist_force, assist_over_cap, body_weight, CharacterState, state_of } from '../core/frames';
 import { describe_devices, PlayControls, reads_anything } from '../core/play_controls';
 import type { Vec3 } from '../core/protocol';
+import { variable_text } from '../core/variables';
 import type { Engine, RecordedInput, Scene } from './engine';
 import { Gestures, type GestureHost, type Tool } from './gestures';
 import css from './player.css?inline';
@@ -39,7 +40,7 @@ const max_backlog = 0.1; // s: maximum delay of the content; if the delay is lar
 
 export class UgokiPlayer extends HTMLElement implements GestureHost {
   static observedAttributes = ['src', 'theme', 'tool'];
-  private parts!: Record<'canvas' | 'name' | 'assist' | 'play' | 'again' | 'time' | 'progress' | 'line' | 'rate' | 'pull' | 'push' | 'follow' | 'all' | 'speed' | 'label' | 'hint' | 'start' | 'message', HTMLElement>;
+  private parts!: Record<'canvas' | 'name' | 'assist' | 'board' | 'play' | 'again' | 'time' | 'progress' | 'line' | 'rate' | 'pull' | 'push' | 'follow' | 'all' | 'speed' | 'label' | 'hint' | 'start' | 'message', HTMLElement>;
   private opened: { engine: Engine; view: SceneView; gestures: Gestures; controls: PlayControls } | null = null;
   private running = false;
   private finished = false;
@@ -208,6 +209,11 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     rig.look_from(in_range('azimuth', azimuth, -100, 100), in_range('elevation', elevation, -100, 100));
     if (distance !== undefined) rig.set({ distance: in_range('distance', distance, 0.01, 1e4) }, false);
     this.invalidate();
+  }
+  /** Values of the variables that the content shows. A switch is 0 or 1. */
+  get variables(): { id: string; name: string; value: number }[] {
+    const values = this.opened?.engine.variables ?? [];
+    return (this.scene?.variables ?? []).map((v, i) => ({ id: v.id, name: v.name, value: values[i] ?? v.initial }));
   }
   /** Centre of mass [m], root assist [body weights] and state of each character. */
   get characters(): { id: string; name: string; centre_of_mass: Vec3; assist: number; state: 'tracking' | 'released' | 'passive' }[] {
@@ -390,6 +396,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     for (const bar of [this.parts.progress, this.parts.line]) (bar.firstElementChild as HTMLElement).style.transform = done;
     const slow = this.running && this.real_time < 0.9 * this.rate;
     this.parts.rate.textContent = slow ? `${this.real_time.toFixed(2)}× real time` : '';
+    this.show_variables(engine);
     if (!frame) return;
     const lines: string[] = [];
     engine.scene.characters.forEach((c, i) => {
@@ -409,6 +416,21 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     assist.querySelectorAll('div > span:first-child').forEach((cell, i) => {
       cell.textContent = tracked.length > 1 ? `Assist, ${tracked[i]!.name}` : 'Root assist';
     });
+  }
+
+  private show_variables(engine: Engine): void {
+    const { board } = this.parts;
+    const variables = engine.scene.variables ?? [];
+    board.hidden = variables.length === 0;
+    if (board.childElementCount !== variables.length)
+      board.replaceChildren(
+        ...variables.map((variable) => {
+          const row = document.createElement('div');
+          row.append(Object.assign(document.createElement('dt'), { textContent: variable.name }), document.createElement('dd'));
+          return row;
+        }),
+      );
+    variables.forEach((variable, i) => (board.children[i]!.lastElementChild!.textContent = variable_text(variable, engine.variables[i] ?? variable.initial)));
   }
 
   private show_state(): void {
@@ -463,6 +485,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     root.innerHTML = `<style>${css}</style>
       <canvas data-part="canvas" tabindex="0" role="application" aria-label="Content: drag a character to act on it, drag beside it to turn the view. Space plays, R restarts."></canvas>
       <div class="top"><div class="name" data-part="name"></div><div class="assist" data-part="assist" hidden title="External force on the root that acts in addition to the ground forces, in percent of the body weight"></div></div>
+      <dl class="board" data-part="board" aria-label="Variables" hidden></dl>
       <div class="hint" data-part="hint" data-off></div>
       <button type="button" class="start" data-part="start" aria-label="Play" hidden>${icons.play}</button>
       <div class="bar" role="toolbar" aria-label="Player">

@@ -3,6 +3,7 @@ import type { Frame } from '../core/frames';
 import type { FilmCamera, FilmShot } from '../core/film';
 import type { Look, Material } from '../core/look';
 import type { Devices, InputMessage } from '../core/play_controls';
+import type { Variable } from '../core/variables';
 import type { MechanismData, Vec3 } from '../core/protocol';
 import type { PlanarConverter } from '../view/planar_reader';
 
@@ -34,6 +35,8 @@ export interface Scene {
   look: Look;
   characters: SceneCharacter[];
   mechanisms: MechanismData[];
+  /** Variables that viewers see. Absent: there are none. */
+  variables?: Variable[];
 }
 
 /** One recorded input (docs/export.md, "Recorded inputs"). */
@@ -54,6 +57,8 @@ export interface Engine {
   readonly stopped: string;
   /** The current frame; null before the first one. */
   readonly frame: Frame | null;
+  /** Present values of `Scene.variables`, in its order. */
+  readonly variables: readonly number[];
 
   /** Runs `seconds` of content, within about `budget` ms of processor time. @return seconds of content that were run */
   advance(seconds: number, budget: number): number;

@@ -9,18 +9,20 @@ import type { Vec3 } from '../core/protocol';
 import type { Engine, RecordedInput, Scene } from './engine';
 
 interface Answer {
-  event?: 'scene' | 'done' | 'stopped';
+  event?: 'scene' | 'done' | 'stopped' | 'variables';
   scene?: Scene;
   devices?: unknown;
   id?: number;
   result?: unknown;
   error?: string;
   reason?: string;
+  values?: number[];
 }
 
 export class RemoteEngine implements Engine {
   stopped = '';
   frame: Frame | null = null;
+  variables: number[] = [];
   private asked = false;
   private reported = 0; // s: sum of the times that advance() has returned
   private last_id = 0;
@@ -114,6 +116,7 @@ export class RemoteEngine implements Engine {
       this.asked = false;
       this.stopped = answer.reason ?? 'The run stopped.';
     }
+    if (answer.event === 'variables') this.variables = answer.values ?? [];
     const asker = this.waiting.get(answer.id ?? -1);
     if (!asker) return;
     this.waiting.delete(answer.id!);

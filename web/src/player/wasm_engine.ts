@@ -27,6 +27,7 @@ interface Exports {
   ugoki_input(address: number, size: number): number;
   ugoki_devices(): number;
   ugoki_scene(): number;
+  ugoki_variables(): number;
   ugoki_schedule(address: number, size: number): number;
   ugoki_inputs(): number;
   ugoki_message(): number;
@@ -74,6 +75,11 @@ export class WasmEngine implements Engine {
       this.stale = false;
     }
     return this.current;
+  }
+
+  get variables(): number[] {
+    const count = this.scene.variables?.length ?? 0;
+    return count === 0 ? [] : [...new Float64Array(this.wasm.memory.buffer, this.wasm.ugoki_variables(), count)];
   }
 
   advance(seconds: number, budget: number): number {
