@@ -362,8 +362,8 @@ await test('the page and the native program show the variables of rules', async 
   ];
   const key = [{ type: 'key', key: 'KeyH' }];
   content.scenario.rules = [
-    { id: 'count', name: 'Count', if: key, do: { type: 'set', variable: 'score', change: 'add', value: 5 } },
-    { id: 'ring', name: 'Ring', if: key, do: { type: 'set', variable: 'alarm', change: 'toggle' } },
+    { id: 'count', if: key, do: { type: 'set', variable: 'score', change: 'add', value: 5 } },
+    { id: 'ring', if: key, do: { type: 'set', variable: 'alarm', change: 'toggle' } },
   ];
   writeFileSync(at('score.json'), JSON.stringify(content));
   run('new', at('score.ugoki'), '--from', at('score.json'));
@@ -385,7 +385,7 @@ await test('the page and the native program show the variables of rules', async 
       await game.evaluate(() => document.querySelector('ugoki-player').play());
       await wait('score 10, alarm 0, Score 10 points, Alarm off');
       await game.locator('ugoki-player canvas').focus();
-      await game.keyboard.press('h', { delay: 100 });
+      await game.keyboard.press('h', { delay: 500 });
       await wait('score 15, alarm 1, Score 15 points, Alarm on');
       if (process.env.UGOKI_PICTURES) await game.screenshot({ path: join(process.env.UGOKI_PICTURES, 'variables.png') });
       await game.context().close();
