@@ -109,19 +109,26 @@ TEST(LimbEnds, ALimbOfOneBoneIsDividedInItsMiddle) {
   EXPECT_NEAR(s.joints[4].offset.z + s.joints[4].end_sites.at(0).z, -0.4, 1e-12);
 }
 
-TEST(LimbEnds, EndsOfMeshesAreNotUsedForACharacterWithFeet) {
-  std::vector<Bone> b = {
-      {"hips", -1, {0, 0, 1}, {}}, {"spine", 0, {0, 0, 0.2}, {}}, {"neck", 1, {0, 0, 0.3}, {}}, {"head", 2, {0, 0, 0.1}, {0, 0, 0.2}}};
+/// Adds the legs of a person to the hips (bone 0), and arms to bone `chest`. @param shoulder position of the left arm in the chest, m
+/// @param arm, forearm, hand vectors along the left arm, m
+void add_limbs_of_person(std::vector<Bone>& b, int chest, const Vec3& shoulder, const Vec3& arm, const Vec3& forearm, const Vec3& hand) {
   for (const double side : {1.0, -1.0}) {
     const std::string s = side > 0 ? ".L" : ".R";
+    const auto mirrored = [&](const Vec3& v) { return Vec3{v.x, v.y * side, v.z}; };
     const int k = static_cast<int>(b.size());
     b.push_back({"thigh" + s, 0, {0, 0.1 * side, 0}, {}});
     b.push_back({"shin" + s, k, {0.01, 0, -0.45}, {}});
     b.push_back({"foot" + s, k + 1, {-0.01, 0, -0.45}, {0.2, 0, -0.08}});
-    b.push_back({"upper_arm" + s, 1, {0, 0.2 * side, 0.25}, {}});
-    b.push_back({"forearm" + s, k + 3, {0, 0.3 * side, 0}, {}});
-    b.push_back({"hand" + s, k + 4, {0, 0.25 * side, 0}, {0, 0.1 * side, 0}});
+    b.push_back({"upper_arm" + s, chest, mirrored(shoulder), {}});
+    b.push_back({"forearm" + s, k + 3, mirrored(arm), {}});
+    b.push_back({"hand" + s, k + 4, mirrored(forearm), mirrored(hand)});
   }
+}
+
+TEST(LimbEnds, EndsOfMeshesAreNotUsedForACharacterWithFeet) {
+  std::vector<Bone> b = {
+      {"hips", -1, {0, 0, 1}, {}}, {"spine", 0, {0, 0, 0.2}, {}}, {"neck", 1, {0, 0, 0.3}, {}}, {"head", 2, {0, 0, 0.1}, {0, 0, 0.2}}};
+  add_limbs_of_person(b, 1, {0, 0.2, 0.25}, {0, 0.3, 0}, {0, 0.25, 0}, {0, 0.1, 0});
   std::vector<MeasuredMotion> motions = {moving(b)};
   std::vector<std::string> report;
   EXPECT_EQ(arrange(motions, report, nullptr, true).plan, body::BodyPlan::human);
@@ -249,16 +256,7 @@ TEST(FourLegs, ALongLeggedAnimalOnFourLimbsIsNoPerson) {
 
 TEST(FourLegs, AHeadlessPersonIsNotFourLegged) {
   std::vector<Bone> b = {{"hips", -1, {0, 0, 1}, {}}, {"spine", 0, {0, 0, 0.25}, {}}, {"chest", 1, {0, 0, 0.2}, {}}};
-  for (const double side : {1.0, -1.0}) {
-    const std::string s = side > 0 ? ".L" : ".R";
-    const int k = static_cast<int>(b.size());
-    b.push_back({"thigh" + s, 0, {0, 0.1 * side, 0}, {}});
-    b.push_back({"shin" + s, k, {0.01, 0, -0.45}, {}});
-    b.push_back({"foot" + s, k + 1, {-0.01, 0, -0.45}, {0.2, 0, -0.08}});
-    b.push_back({"upper_arm" + s, 2, {0, 0.2 * side, 0.05}, {}});
-    b.push_back({"forearm" + s, k + 3, {0, 0, -0.3}, {}});
-    b.push_back({"hand" + s, k + 4, {0, 0, -0.25}, {0, 0, -0.1}});
-  }
+  add_limbs_of_person(b, 2, {0, 0.2, 0.05}, {0, 0, -0.3}, {0, 0, -0.25}, {0, 0, -0.1});
   std::vector<MeasuredMotion> motions = {moving(b)};
   std::vector<std::string> report;
   EXPECT_NE(arrange(motions, report).plan, body::BodyPlan::four_legs);
