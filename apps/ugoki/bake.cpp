@@ -441,7 +441,7 @@ void add_bake_verb(Verb app, Action& action) {
   verb.add_option("--slurm-partition", o->slurm_partition, "Partition of Slurm");
   verb.add_option("--slurm-time", o->slurm_time, "Time limit of a Slurm task").capture_default_str();
   verb.add_flag("--dry-run", o->dry_run, "Print the runs, or write the scripts of --slurm, but start nothing");
-  verb.add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_library_option(verb, o->source.library);
   verb.add_flag("--json", o->json, "Print one JSON object");
   verb.footer("Example:\n  ugoki bake walk.bvh --vary push=0:600:13 --vary push-angle=0,90,180,270 --table push.db --csv push.csv");
   verb.callback([o, merges, verb, &action] {

@@ -269,13 +269,11 @@ void add_convert_verb(Verb app, Action& action) {
   verb.add_flag("--fill", o->fill, "Recordings of markers: fill gaps and remove spikes (default: as recorded)");
   verb.add_option("--mechanism", o->mechanism, "Mechanism of the coordinates in a CSV file");
   add_correction_options(verb, o->source);
-  verb.add_option("--rate", o->source.intake.rate, "Frames per second of AMC files, which do not store it")
-      .check(range(1.0, 10000.0))
-      .capture_default_str();
+  add_rate_option(verb, o->source);
   verb.add_option("--skeleton,--asf", o->source.asf,
                   "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or body model of SMPL files (.npz)");
   add_robot_options(verb, o->source.robot);
-  verb.add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_library_option(verb, o->source.library);
   verb.add_flag("--json", o->json, "Print one JSON object");
   verb.footer("Example:\n  ugoki convert walk.fbx walk.bvh\n  ugoki convert 02_01.c3d markers.csv\n  ugoki convert robot.urdf robot.xml");
   verb.callback([o, &action] { action = [o] { return run_convert(*o); }; });

@@ -112,11 +112,9 @@ void add_correct_verb(Verb app, Action& action) {
       .capture_default_str();
   verb.add_flag("--keep-floor", options->keep_floor, "The floor of the motion is z = 0; do not search for it");
   verb.add_flag("--keep-duration", o.keep_duration, "Do not change the duration of flights in which gravity is wrong");
-  verb.add_option("--skeleton,--asf", options->source.asf,
-                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
-  verb.add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)").check(range(0.1, 30.0));
-  verb.add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)").check(range(0.01, 100000.0));
-  verb.add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_skeleton_option(verb, options->source);
+  add_person_options(verb, options->source);
+  add_library_option(verb, options->source.library);
   verb.add_flag("--json", options->json, "Print one JSON object");
   verb.footer("Example:\n  ugoki correct keyed-jump.bvh -o jump.bvh");
   verb.callback(

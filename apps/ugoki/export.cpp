@@ -368,9 +368,8 @@ void add_export_verb(Verb app, Action& action) {
   verb.add_option("--inputs", o->inputs, "Recorded inputs, JSON, for pictures and animations (docs/export.md)");
   verb.add_option("--title", o->title, "Title of the page (default: the name of the content)");
   verb.add_option("--player", o->player, "Folder with the parts of the player");
-  verb.add_option("--skeleton,--asf", o->source.asf,
-                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
-  verb.add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_skeleton_option(verb, o->source);
+  add_library_option(verb, o->source.library);
   verb.add_flag("--json", o->json, "Print one JSON object");
   verb.footer(
       "Examples:\n  ugoki export park.ugoki --html park.html\n  ugoki export park.ugoki --native park --mp4 park.mp4 --size 1280x720\n"

@@ -12,13 +12,15 @@
 
 namespace ugoki::cli {
 
-Result<std::string> make_content_fmu(std::span<const std::byte> ugx, const std::string& name, int version, std::vector<std::string>& notes) {
+Result<std::string> make_content_fmu(std::span<const std::byte> ugx, const std::string& name, int version,
+                                     std::vector<std::string>& notes) {
   const Result<content::Executable> content = content::read_executable(ugx, name);
   if (!content) return fail(content.error());
   const Result<circuit::Circuit> circuit = publish::make_fmu_circuit(*content, name);
   if (!circuit) return fail(circuit.error());
   std::vector<circuit::LsiClass> installed;
-  for (const plugin::ShelfEntry& e : plugin::read_shelf(plugin::default_shelf())) installed.insert(installed.end(), e.classes.begin(), e.classes.end());
+  for (const plugin::ShelfEntry& e : plugin::read_shelf(plugin::default_shelf()))
+    installed.insert(installed.end(), e.classes.begin(), e.classes.end());
   const lsi::World world = content::make_world(*content);
   const fmi::ExportRequest request{.version = version,
                                    .dt = content->step,

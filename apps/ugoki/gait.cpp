@@ -223,7 +223,7 @@ void add_gait_verb(Verb app, Action& action) {
   verb.add_option("--project", o->project, "Also write a project (*.ugoki) in which the character performs the gait");
   verb.add_option("--assist", o->assist, "Assist limit in the project, body weights").check(number_from(0, 10)).capture_default_str();
   add_robot_options(verb, o->source.robot);
-  verb.add_option("--library", o->source.library, "Library (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_library_option(verb, o->source.library);
   verb.add_flag("--json", o->json, "Print one JSON object");
   verb.footer(
       "Example:\n  ugoki gait human --kind walk --speed 1.25 --seconds 10 --turn 45 -o walk.bvh\n  ugoki gait dog --kind trot --speed 2 "

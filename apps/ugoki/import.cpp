@@ -167,17 +167,13 @@ void add_import_verb(Verb app, Action& action) {
       .required();
   verb.add_option("--name", options->source.intake.name, "Name of the entries (one file only; default: the file's name)");
   verb.add_option("--tags", options->source.intake.tags, "Tags of the entries, separated by commas").delimiter(',');
-  verb.add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)").check(range(0.1, 30.0));
-  verb.add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)").check(range(0.01, 100000.0));
+  add_person_options(verb, options->source);
   add_correction_options(verb, options->source);
-  verb.add_option("--rate", options->source.intake.rate, "Frames per second of AMC files, which do not store it")
-      .check(range(1.0, 10000.0))
-      .capture_default_str();
-  verb.add_option("--skeleton,--asf", options->source.asf,
-                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
+  add_rate_option(verb, options->source);
+  add_skeleton_option(verb, options->source);
   add_robot_options(verb, options->source.robot);
   verb.add_option("--bvh", options->bvh, "Also write the measured motion as BVH: a file, or a folder for several inputs");
-  verb.add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_library_option(verb, options->source.library);
   verb.add_flag("--dry-run", options->dry, "Read and report, but store nothing");
   verb.add_flag("--json", options->json, "Print one JSON object");
   verb.footer("Example:\n  ugoki import walk.bvh --tags walk,slow\n  ugoki import 12_01.amc --asf 12.asf --mass 70 --bvh copy.bvh");

@@ -285,11 +285,10 @@ void add_info_verb(Verb app, Action& action) {
   verb.add_option("target", options->target,
                   "BVH, AMC, mechanism JSON, URDF, SDF, MJCF, *.fmu, *.ugoki, *.ugx, a library, or an entry's name or id")
       .required();
-  verb.add_option("--skeleton,--asf", options->source.asf,
-                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
+  add_skeleton_option(verb, options->source);
   add_robot_options(verb, options->source.robot);
   add_correction_options(verb, options->source);
-  verb.add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_library_option(verb, options->source.library);
   verb.add_option("--mapping-out", options->mapping_out,
                   "Write the recognised anatomy of a motion file as JSON, to edit it and use it with --mapping");
   verb.add_flag("--json", options->json, "Print one JSON object");

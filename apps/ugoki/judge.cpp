@@ -162,12 +162,10 @@ void add_judge_verb(Verb app, Action& action) {
   add_limit("assist", MeasureId::assist, options->max_assist, "Maximum root assist, body weights (rms)");
   add_limit("skate", MeasureId::slip, options->max_skate, "Maximum foot skate, cm per stance");
   add_limit("penetration", MeasureId::penetration, options->max_penetration, "Maximum ground penetration, mm");
-  verb.add_option("--skeleton,--asf", options->source.asf,
-                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
-  verb.add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)").check(range(0.1, 30.0));
-  verb.add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)").check(range(0.01, 100000.0));
+  add_skeleton_option(verb, options->source);
+  add_person_options(verb, options->source);
   add_correction_options(verb, options->source);
-  verb.add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_library_option(verb, options->source.library);
   verb.add_flag("--json", options->json, "Print one JSON object");
   verb.footer("Example:\n  ugoki judge walk.bvh --svg walk.svg\n  ugoki judge park.ugoki --strict");
   verb.callback([options, &action] { action = [options] { return with_libraries(options->json, [&] { return run_judge(*options); }); }; });

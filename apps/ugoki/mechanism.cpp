@@ -105,7 +105,7 @@ Verb add_operation(Verb verb, const char* name, const char* what, const std::sha
   Verb command = verb.add_subcommand(name, what);
   command.add_option("input", common->inputs, of).required().expected(inputs);
   command.add_option("-o,--out", common->out, "The file to write: .json, .urdf or .xml (MJCF)").required();
-  command.add_option("--library", common->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_library_option(command, common->source.library);
   add_robot_options(command, common->source.robot);
   command.add_flag("--json", common->json, "Print one JSON object");
   return command;
@@ -293,11 +293,8 @@ void add_body(Verb verb, Action& action) {
   auto c = std::make_shared<Choice>();
   Verb command = add_operation(verb, "body", "Make a body for a skeleton from BVH, AMC, C3D, TRC, glTF, FBX, COLLADA", {c, &c->common}, 1,
                                "The measured file");
-  command.add_option("--height", c->common.source.intake.height, "Height of the person, m (default: estimated)").check(range(0.1, 30.0));
-  command.add_option("--mass", c->common.source.intake.mass, "Mass of the person, kg (default: estimated)").check(range(0.01, 100000.0));
-  command.add_option(
-      "--skeleton,--asf", c->common.source.asf,
-      "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
+  add_person_options(command, c->common.source);
+  add_skeleton_option(command, c->common.source);
   command.footer("Example:\n  ugoki mechanism body walk.bvh --mass 70 -o walker.json");
   command.callback([c, &action] {
     action = [c] {

@@ -135,12 +135,9 @@ Verb add_operation(Verb verb, const char* name, const char* what, const CommonPt
                               : "A BVH, AMC, C3D, TRC or glTF file or a motion of the library")
       .required()
       .expected(minimum, maximum);
-  command.add_option(
-      "--skeleton,--asf", c->source.asf,
-      "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
-  command.add_option("--height", c->source.intake.height, "Height of the person in m (default: estimated)").check(range(0.1, 30.0));
-  command.add_option("--mass", c->source.intake.mass, "Mass of the person in kg (default: estimated)").check(range(0.01, 100000.0));
-  command.add_option("--library", c->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_skeleton_option(command, c->source);
+  add_person_options(command, c->source);
+  add_library_option(command, c->source.library);
   command.add_option("--feet", c->feet, "Links that stand on the ground (default: found automatically)").delimiter(',');
   command.add_option("--ground", c->ground, "Height of the ground, m").check(Check([](const std::string& text) {
     const std::optional<double> number = parse_double(text);

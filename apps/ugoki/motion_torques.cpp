@@ -89,7 +89,7 @@ Verb add_operation(Verb motion, const char* name, const char* doc, const std::sh
   verb.add_option("-o,--out", o->out, "Project (*.ugoki) to create").required().type_name("FILE");
   verb.add_option("--duration", o->conversion.duration, "Seconds to convert (default: the duration of the scenario)")
       .check(range(0.001, 86400.0));
-  verb.add_option("--library", o->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_library_option(verb, o->source.library);
   verb.add_option("--skeleton", o->source.asf, "Skeleton (*.asf) of an AMC file");
   verb.add_flag("--json", o->json, "Print one JSON object");
   return verb;

@@ -128,10 +128,9 @@ void add_retarget_verb(Verb app, Action& action) {
   verb.add_flag("--balance", o->balance, "Keep the centre of mass over the standing feet (slow motions)");
   verb.add_flag("--slow", o->slow, "Slow the motion down until no joint is faster than the mapping allows");
   verb.add_flag("--strict", o->strict, "Exit status 1 if a standing foot or a holding hand misses its position by more than 1 mm");
-  verb.add_option("--skeleton,--asf", o->source.asf,
-                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
+  add_skeleton_option(verb, o->source);
   add_robot_options(verb, o->source.robot);
-  verb.add_option("--library", o->source.library, "Library (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_library_option(verb, o->source.library);
   verb.add_flag("--json", o->json, "Print one JSON object");
   verb.footer(
       "Example:\n  ugoki retarget walk.bvh --height 1.1 -o child.bvh\n  ugoki retarget walk.bvh --to robot.urdf --json\n  ugoki retarget "

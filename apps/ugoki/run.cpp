@@ -222,12 +222,10 @@ void add_run_verb(Verb app, Action& action) {
   verb.add_option("--assist-limit", options->assist_limit, "Cap of the root assist, body weights").check(range(0.0, 10.0));
   verb.add_option("--frames", options->frames, "Write the display frames to this file (docs/files.md)");
   verb.add_option("--ugx", options->executable, "Write the executable data to this file");
-  verb.add_option("--skeleton,--asf", options->source.asf,
-                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
-  verb.add_option("--height", options->source.intake.height, "Height of the person in m (default: estimated)").check(range(0.1, 30.0));
-  verb.add_option("--mass", options->source.intake.mass, "Mass of the person in kg (default: estimated)").check(range(0.01, 100000.0));
+  add_skeleton_option(verb, options->source);
+  add_person_options(verb, options->source);
   add_correction_options(verb, options->source);
-  verb.add_option("--library", options->source.library, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_library_option(verb, options->source.library);
   verb.add_flag("--json", options->json, "Print one JSON object");
   verb.footer("Example:\n  ugoki run walk.bvh --json\n  ugoki run 12_01.amc --push 150 --push-time 2 --push-direction 0,1");
   verb.callback([options, rate, &action] {

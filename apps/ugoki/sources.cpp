@@ -71,6 +71,26 @@ Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions&
 
 }  // namespace
 
+void add_library_option(Verb verb, std::string& path) {
+  verb.add_option("--library", path, "Library file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+}
+
+void add_skeleton_option(Verb verb, SourceOptions& options) {
+  verb.add_option("--skeleton,--asf", options.asf,
+                  "Skeleton of AMC files (default: NN.asf in the folder of NN_MM.amc), or model of SMPL (.npz) and OpenSim (.osim) files");
+}
+
+void add_rate_option(Verb verb, SourceOptions& options) {
+  verb.add_option("--rate", options.intake.rate, "Frames per second of AMC files, which do not store it")
+      .check(range(1.0, 10000.0))
+      .capture_default_str();
+}
+
+void add_person_options(Verb verb, SourceOptions& options) {
+  verb.add_option("--height", options.intake.height, "Height of the person in m (default: estimated)").check(range(0.1, 30.0));
+  verb.add_option("--mass", options.intake.mass, "Mass of the person in kg (default: estimated)").check(range(0.01, 100000.0));
+}
+
 void add_correction_options(Verb verb, SourceOptions& options) {
   verb.add_option("--unit", options.intake.unit, "Metres per unit of length of the file (default: as the file specifies, or estimated)")
       .check(range(1e-6, 1000.0));

@@ -27,6 +27,14 @@ struct SourceOptions {
   RobotChoice robot;  ///< options for URDF, SDF and MJCF files
 };
 
+/// Adds --library. @param path set to the library's file; empty: the default
+void add_library_option(Verb verb, std::string& path);
+/// Adds --skeleton: the skeleton of AMC files, or the body model of SMPL and OpenSim files.
+void add_skeleton_option(Verb verb, SourceOptions& options);
+/// Adds --rate: the frames per second of AMC files.
+void add_rate_option(Verb verb, SourceOptions& options);
+/// Adds --height and --mass of the person.
+void add_person_options(Verb verb, SourceOptions& options);
 /// Adds the options --unit, --up, --forward, --travel, --mapping, --character and --take, which correct a motion file or choose from it.
 void add_correction_options(Verb verb, SourceOptions& options);
 

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "output.h"
+#include "sources.h"
 #include "ugoki/samples/samples.h"
 #include "ugoki/store/library.h"
 #include "ugoki/studio/interpreter_child.h"
@@ -106,7 +107,7 @@ void add_studio_verb(Verb app, Action& action) {
   verb.add_option("--port", options->port, "Port on 127.0.0.1 (default: any free port)");
   verb.add_flag("--no-open", options->no_open, "Do not open a browser");
   verb.add_option("--web", options->web, "Folder of the built page");
-  verb.add_option("--library", options->library, "The library's file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  add_library_option(verb, options->library);
   verb.add_flag("--json", options->json, "Print the address as one JSON object");
   verb.footer("Example:\n  ugoki studio park.ugoki --port 8420");
   verb.callback([options, &action] { action = [options] { return run_studio(*options); }; });
