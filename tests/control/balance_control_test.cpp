@@ -25,6 +25,27 @@ TEST(BalanceControl, WalksWithoutAssist) {
   EXPECT_GT(s.state.q[0], 0.8 * 1.35 * 8);  // m: the walk has a speed of 1.35 m/s
 }
 
+TEST(BalanceControl, IsTheSameAtAnotherPlaceAndHeading) {
+  const Walker walker;
+  const auto walk = std::make_shared<const Looped>(walker.body.mechanism, motion_of(walker.body, walker.walk), 60);
+  const Placement by{50, -20, 0, 0.65};
+  Simulation here(walker.body.mechanism, walk),
+      there(walker.body.mechanism, std::make_shared<const Displaced>(walker.body.mechanism, walk, by));
+  std::vector<double> moved, difference_of(here.state.v.size());
+  for (int k = 0; k < 1500; ++k) {
+    // A push to the side and ahead in one step, relative to the character
+    const Vec3 push = k >= 500 && k < 550 ? Vec3{80, 60, 0} : Vec3{};
+    here.step(push);
+    there.step(rotation_about({0, 0, 1}, by.heading) * push);
+    EXPECT_NEAR(here.tracking_error(), there.tracking_error(), 1e-3) << "tick " << k;
+    if (HasFailure()) break;
+  }
+  moved = here.state.q;
+  displace_root(*here.m, by, moved);
+  difference(*here.m, moved, there.state.q, difference_of);
+  for (const double d : difference_of) EXPECT_NEAR(d, 0, 1e-4);
+}
+
 TEST(BalanceControl, StepsAfterAPushAndWalksOn) {
   const Walker w;
   for (const Vec3& direction : {Vec3{1, 0, 0}, Vec3{-1, 0, 0}}) {

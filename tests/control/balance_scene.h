@@ -11,6 +11,7 @@
 #include "ugoki/contact/guarded_step.h"
 #include "ugoki/control/balance_control.h"
 #include "ugoki/mechanism/state.h"
+#include "ugoki/motion/clip.h"
 #include "ugoki/motion/reference.h"
 #include "ugoki/samples/samples.h"
 
@@ -34,6 +35,28 @@ class Looped final : public ReferenceMotion {
   MechanismPtr mechanism_;
   SmoothMotion motion_;
   Clip clip_;
+};
+
+/// Another reference motion, displaced in the plane and turned about the vertical.
+class Displaced final : public ReferenceMotion {
+ public:
+  Displaced(MechanismPtr mechanism, std::shared_ptr<const ReferenceMotion> motion, const Placement& by)
+      : mechanism_(std::move(mechanism)), motion_(std::move(motion)), by_(by) {}
+  void sample(double t, std::span<double> q, std::span<double> v, std::span<double> a) const override {
+    motion_->sample(t, q, v, a);
+    displace_root(*mechanism_, by_, q);
+    const Mat3 P = mechanism_->link(0).joint.X_PJ.R, turn = P.transposed() * rotation_about({0, 0, 1}, by_.heading) * P;
+    for (const std::span<double> x : {v, a}) {
+      const Vec3 linear = turn * Vec3{x[3], x[4], x[5]};
+      for (int k = 0; k < 3; ++k) x[static_cast<std::size_t>(3 + k)] = linear[k];
+    }
+  }
+  [[nodiscard]] double end() const override { return motion_->end(); }
+
+ private:
+  MechanismPtr mechanism_;
+  std::shared_ptr<const ReferenceMotion> motion_;
+  Placement by_;
 };
 
 /// The walking human of the samples.

@@ -23,7 +23,7 @@ double primal_optimum(const std::vector<Support>& supports, const Vec3& origin, 
   std::vector<Vec6> G;
   std::vector<double> costs;
   for (const Support& s : supports) {
-    const Vec3 t1 = any_perpendicular(s.n), t2 = cross(s.n, t1);
+    const Vec3 t1 = normalized(s.along - s.n * dot(s.n, s.along)), t2 = cross(s.n, t1);
     for (const Vec3& t : {t1, -t1, t2, -t2}) {
       const Vec3 e = s.n + t * s.friction;
       G.push_back({cross(s.p - origin, e) / lever, e});

@@ -7,6 +7,7 @@
 #include "ugoki/collision/scene.h"
 #include "ugoki/contact/stepper.h"
 #include "ugoki/mechanism/state.h"
+#include "ugoki/motion/clip.h"
 
 namespace ugoki::control {
 namespace {
@@ -50,7 +51,11 @@ struct Simulation {
   std::vector<double> reference = m->neutral(), rest = std::vector<double>(static_cast<std::size_t>(m->nv()));
   ControlOutput last;
 
-  explicit Simulation(const ControlOptions& options = {}) : control(m, options) { state.q[2] = reference[2] = 0.91; }
+  explicit Simulation(const ControlOptions& options = {}, const Placement& place = {0, 0, 0, 0}) : control(m, options) {
+    reference[2] = 0.91;
+    displace_root(*m, place, reference);
+    state.q = reference;
+  }
   void step(const Vec3& push) {
     calc_poses(*m, state.q, X);
     const std::span<const Pose> poses(X);
@@ -90,6 +95,24 @@ TEST(MotionControl, RecoversFromAPush) {
   const double at_end = (s.X[0] * Vec3{0, 0, 0.4}).x;
   EXPECT_LT(std::fabs(at_end), 0.3 * sway) << "most of the sway should be recovered";
   for (const double v : s.state.v) EXPECT_LT(std::fabs(v), 0.02) << "the character should be at rest";
+}
+
+TEST(MotionControl, IsTheSameAtAnotherPlaceAndHeading) {
+  ControlOptions options;
+  options.assist_limit = 0.05;  // the friction pyramids have an effect if the assist is small
+  const Placement place{50, -20, 0, 0.65};
+  Simulation here(options), there(options, place);
+  std::vector<double> error(here.state.v.size());
+  for (int i = 0; i < 800; ++i) {
+    const Vec3 push = i > 100 && i < 200 ? Vec3{200, 150, 0} : Vec3{};
+    here.step(push);
+    there.step(rotation_about({0, 0, 1}, place.heading) * push);
+    std::vector<double> moved = here.state.q;
+    displace_root(*here.m, place, moved);
+    difference(*here.m, moved, there.state.q, error);
+    for (const double e : error) ASSERT_NEAR(e, 0, 1e-6) << "tick " << i;
+    ASSERT_NEAR(here.last.size_bw, there.last.size_bw, 1e-6) << "tick " << i;
+  }
 }
 
 TEST(MotionControl, ReleasesControlAfterAFallWithoutHiddenAssist) {

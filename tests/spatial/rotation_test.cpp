@@ -4,6 +4,9 @@
 
 #include <random>
 
+#include "ugoki/spatial/elementary.h"
+#include "ugoki/spatial/heading.h"
+
 namespace ugoki {
 namespace {
 
@@ -167,4 +170,25 @@ TEST(Rotation, NormalizedZeroGivesTheFallback) {
 }
 
 }  // namespace
+TEST(Heading, TurnsWithTheOrientation) {
+  Random random;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Mat3 R = to_matrix(random.quat());
+    const double angle = random.in(-4, 4);
+    const Mat3 Z = rotation_about({0, 0, 1}, angle);
+    const Vec3 h = heading_of(R), t = perpendicular_along(R.column(0), h);
+    EXPECT_NEAR(norm(h), 1, 1e-12);
+    EXPECT_EQ(h.z, 0);
+    EXPECT_LT(norm(heading_of(Z * R) - Z * h), 1e-9);
+    EXPECT_LT(norm(perpendicular_along(Z * R.column(0), Z * h) - Z * t), 1e-9);
+    EXPECT_NEAR(dot(t, R.column(0)), 0, 1e-12);
+    EXPECT_GE(dot(t, h), 0);
+    // A tilt about a horizontal axis by less than pi does not change the heading.
+    const Mat3 tilt = rotation_about({cos(angle), sin(angle), 0}, random.in(-3, 3));
+    EXPECT_LT(norm(heading_of(tilt * Z) - Z.column(0)), 1e-9);
+  }
+  EXPECT_EQ(heading_of(rotation_about({0, 1, 0}, pi)).z, 0);
+  EXPECT_NEAR(norm(perpendicular_along({0, 0, 1}, {0, 0, 1})), 1, 1e-12);
+}
+
 }  // namespace ugoki

@@ -9,6 +9,7 @@
 #include "ugoki/control/ground_map.h"
 #include "ugoki/dynamics/centroidal.h"
 #include "ugoki/dynamics/dynamics.h"
+#include "ugoki/spatial/heading.h"
 
 namespace ugoki::control {
 
@@ -45,6 +46,8 @@ struct BalanceModel {
   [[nodiscard]] double max_step(const BalanceState& state) const { return options.max_step * (want.centre.z - floor - state.z); }
   /// m, world: height of the ground at p in the map; at most max_step() below the ground at the character.
   [[nodiscard]] double map_height(const BalanceState& state, const Vec3& p) const;
+  /// Unit, horizontal: heading of the pelvis.
+  [[nodiscard]] Vec3 heading() const { return heading_of(now.X_WB[0].R * rest_pelvis.transposed()); }
   /// Unit, horizontal: direction to the left of the pelvis. In the neutral position, the pelvis faces x and its left is y.
   [[nodiscard]] Vec3 left() const;
   /// Flight of the reference, if no foot of the character stands either; otherwise null.

@@ -6,6 +6,7 @@
 
 #include "ugoki/dynamics/jacobian.h"
 #include "ugoki/mechanism/state.h"
+#include "ugoki/spatial/heading.h"
 
 namespace ugoki::control {
 namespace {
@@ -36,10 +37,11 @@ double BalanceProgram::load_on(const BalanceModel& model, std::size_t i, std::si
 void BalanceProgram::collect_loads(const BalanceModel& model, const GroundSupport& support, const BalanceInput& in) {
   loads_.clear();
   int point = 0;
+  const Vec3 heading = model.heading();
   for (const BearingPoint& b : support.bearing()) {
     const auto add = [&](const Vec3& force) { loads_.push_back({b.link, point, b.p, force}); };
     ++point;
-    const Vec3 t1 = any_perpendicular(b.n), t2 = cross(b.n, t1);
+    const Vec3 t1 = perpendicular_along(b.n, heading), t2 = cross(b.n, t1);
     const double slide = norm(b.slide);
     if (slide > sliding) {  // friction opposes the sliding; the force is inside a narrow pyramid around this direction
       const Vec3 back = b.slide * (-b.friction / slide), side = cross(b.n, back) * 0.1;

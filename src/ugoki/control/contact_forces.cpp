@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "ugoki/base/check.h"
+#include "ugoki/spatial/heading.h"
 
 namespace ugoki::control {
 namespace {
@@ -44,7 +45,7 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
   edges_.clear();
   if (supports.empty()) return wrench;
   for (const Support& s : supports) {
-    const Vec3 t1 = any_perpendicular(s.n), t2 = cross(s.n, t1);
+    const Vec3 t1 = perpendicular_along(s.n, s.along), t2 = cross(s.n, t1);
     const double scale = 1 / std::sqrt(s.cost);  // scales columns and edges, so that all costs are 1
     for (const Vec3& t : {t1, -t1, t2, -t2}) {
       const Vec3 edge = (s.n + t * s.friction) * scale;

@@ -21,6 +21,7 @@ struct Support {
   Vec3 n;               ///< unit, world: normal, towards the character
   double friction = 0;  ///< Coulomb coefficient
   double cost = 1;      ///< factor on the cost of the squared force at this contact
+  Vec3 along{1, 0, 0};  ///< world, not parallel to n: direction of the first edge of the friction pyramid, for example the heading
 };
 
 /// Solves the quadratic program at the top of this file.

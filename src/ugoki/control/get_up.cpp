@@ -7,6 +7,7 @@
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/spatial/elementary.h"
+#include "ugoki/spatial/heading.h"
 
 namespace ugoki::control {
 namespace {
@@ -177,10 +178,11 @@ void GetUp::add_support(std::span<const collision::ContactPoint> contacts, int s
   supports_.clear();
   support_links_.clear();
   double reach = 0;
+  const Vec3 along = heading_of(ws_.X_WB[0].R * body_->rest.transposed());
   for (const collision::ContactPoint& p : contacts) {
     const bool a = p.system_a == system && p.system_b != system, b = p.system_b == system && p.system_a != system;
     if (p.distance > touch || supports_.size() >= 64 || (!a && !b)) continue;
-    supports_.push_back({p.p, a ? p.n : -p.n, friction_share * p.friction, 1});
+    supports_.push_back({p.p, a ? p.n : -p.n, friction_share * p.friction, 1, along});
     support_links_.push_back(a ? p.link_a : p.link_b);
     reach = std::max(reach, norm(p.p - c.centre));
   }

@@ -116,10 +116,11 @@ void GroundPlan::update_body(const BalanceModel& model, const GroundSupport& sup
   const double predicted = state.z + model.ground_rise(state, centre), size = centre.z - model.floor - predicted;
   double mean = 0, tilt[2] = {0, 0}, squares = 0;
   constexpr int points = 8;
+  const Vec3 ahead = model.heading(), left = cross(Vec3{0, 0, 1}, ahead);
   for (int k = 0; k < points; ++k) {
     const double angle = 2 * pi * k / points;
     for (const double radius : {0.2 * size, 0.4 * size}) {
-      const Vec3 d{radius * cos(angle), radius * sin(angle), 0};
+      const Vec3 d = (ahead * cos(angle) + left * sin(angle)) * radius;
       // Beside a cliff the ground under the character counts alone.
       const double expected = state.z + model.ground_rise(state, centre + d);
       const double found = model.map_height(state, centre + d) - model.floor;

@@ -6,6 +6,7 @@
 #include "ugoki/base/check.h"
 #include "ugoki/dynamics/centroidal.h"
 #include "ugoki/mechanism/state.h"
+#include "ugoki/spatial/heading.h"
 
 namespace ugoki::control {
 namespace {
@@ -42,6 +43,7 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
   }
   std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
   calc_poses(m, m.neutral(), X);
+  rest_root_ = X[0].R;
   double low = X[0].p.z, high = low;
   for (std::size_t i = 0; i < X.size(); ++i) {
     low = std::min(low, X[i].p.z);
@@ -90,6 +92,7 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
   if (!floating_) return;
   std::ranges::fill(reference_known_, char{0});
   offsets_.clear();
+  const Vec3 heading = heading_of(ws.X_WB[0].R * rest_root_.transposed());
   for (const collision::ContactPoint& c : in.contacts) {
     if (c.system_a != in.system || c.system_b >= 0 || supports_.size() == max_supports) continue;
     const double approach = dot(c.n, dynamics::point_velocity(ws, c.link_a, c.p));
@@ -107,7 +110,7 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
     const double lift = std::max(0.0, rise) / options_.lifting_speed,
                  slip = std::max(0.0, slide - options_.sliding_speed) / options_.slip_speed;
     const double cost = 1 + lift * lift + slip * slip;
-    supports_.push_back({c.p, c.n, 0.7 * c.friction, cost * cost});  // 0.7: margin to the edge of the friction cone
+    supports_.push_back({c.p, c.n, 0.7 * c.friction, cost * cost, heading});  // 0.7: margin to the edge of the friction cone
     support_links_.push_back(c.link_a);
     offsets_.push_back(c.p - p_ref);
     for (const int f : dynamics::chain_of_link(ws, c.link_a)) bears_load_[static_cast<std::size_t>(f)] = 1;

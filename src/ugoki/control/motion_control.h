@@ -133,6 +133,7 @@ class MotionControl {
 
   dynamics::Workspace workspace_;      // at the present state
   dynamics::Workspace reference_;      // at the reference, the links that support the character and their parents
+  Mat3 rest_root_ = Mat3::identity();  // orientation of the root link in the neutral position
   std::vector<char> reference_known_;  // [links] not 0: reference_ contains the link
   ContactForceProblem problem_;
   double lever_ = 1;

@@ -7,8 +7,10 @@
 #include "ugoki/dynamics/centroidal.h"
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/mechanism/state.h"
+#include "ugoki/motion/clip.h"
 #include "ugoki/motion/foot_slip.h"
 #include "ugoki/motion/measures.h"
+#include "ugoki/spatial/elementary.h"
 
 namespace ugoki::correction {
 namespace {
@@ -158,7 +160,9 @@ CorrectionMeasures measure(const Mechanism& m, const Motion& motion, const motio
   for (int f = 1; f + 1 < n; ++f) {
     const Vec6 wanted{o.moment[at(f)], (o.acceleration[at(f)] + Vec3{0, 0, options.gravity}) * o.mass};
     supports.clear();
-    for (const Vec3& p : o.supports[at(f)]) supports.push_back({{p.x, p.y, 0}, {0, 0, 1}, options.friction, 1});
+    const double heading = root_placement(m, {motion.frame(f), at(motion.nq)}).heading;
+    const Vec3 along{cos(heading), sin(heading), 0};
+    for (const Vec3& p : o.supports[at(f)]) supports.push_back({{p.x, p.y, 0}, {0, 0, 1}, options.friction, 1, along});
     forces.resize(supports.size());
     const Vec6 missing = supports.empty() ? wanted : problem.solve(supports, o.centre[at(f)], wanted, 1, 1e-6, forces);
     residual += (dot(missing.v, missing.v) + dot(missing.w, missing.w)) / (weight * weight);

@@ -9,6 +9,7 @@
 #include "ugoki/motion/clip.h"
 #include "ugoki/motion/smooth_motion.h"
 #include "ugoki/motion_edit/foot_contacts.h"
+#include "ugoki/spatial/heading.h"
 
 namespace ugoki::naturalness {
 namespace {
@@ -91,6 +92,7 @@ class Inverse {
     supports_.clear();
     links_.clear();
     legs_.clear();
+    const Vec3 heading = heading_of(ws_.X_WB[0].R);
     for (std::size_t k = 0; k < body_.legs.size(); ++k) {
       const double share = shares_[k][at(frame)];
       if (share <= 0) continue;
@@ -102,7 +104,7 @@ class Inverse {
       }
       for (std::size_t i = 0; i < points_.size(); ++i) {
         if (points_[i].z > low + loaded_height) continue;
-        supports_.push_back({{points_[i].x, points_[i].y, options_.ground}, {0, 0, 1}, options_.friction, 1 / share});
+        supports_.push_back({{points_[i].x, points_[i].y, options_.ground}, {0, 0, 1}, options_.friction, 1 / share, heading});
         links_.push_back(body_.legs[k].limb.points[i].link);
         legs_.push_back(static_cast<int>(k));
       }
