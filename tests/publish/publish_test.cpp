@@ -8,7 +8,12 @@
 #include <map>
 #include <random>
 
+#include "../content/fixture.h"
 #include "ugoki/base/base64.h"
+#include "ugoki/content/display_frame.h"
+#include "ugoki/content/generate.h"
+#include "ugoki/content/player.h"
+#include "ugoki/json/json.h"
 #include "ugoki/publish/page.h"
 #include "ugoki/publish/payload.h"
 #include "ugoki/publish/shape_surface.h"
@@ -39,7 +44,7 @@ std::vector<std::byte> unpacked(const std::vector<std::uint8_t>& packed, std::si
 }
 
 const char* page_text =
-    "<html lang=\"en\"><title>@UGOKI_TITLE@</title><script id=\"ugoki-content\">@UGOKI_CONTENT@</script><script "
+    "<html lang=\"en\"><title>@UGOKI_TITLE@</title><script id=\"ugoki-first\">@UGOKI_FIRST@</script><script id=\"ugoki-content\">@UGOKI_CONTENT@</script><script "
     "id=\"ugoki-engine\">ENGINE</script>";
 
 TEST(Page, ContainsTheContentAndAnEscapedTitle) {
@@ -62,6 +67,34 @@ TEST(Page, OfANativeProgramHasNeitherEngineNorContent) {
   EXPECT_EQ(page->find("ENGINE"), std::string::npos);
   EXPECT_NE(page->find("ugoki-content\"></script>"), std::string::npos);
   EXPECT_NE(page->find("data-engine=\"native\""), std::string::npos);
+}
+
+TEST(Page, ContainsItsFirstPicture) {
+  const auto ugx = content::generate(content::testing::make_scenario(), content::testing::make_resources());
+  ASSERT_TRUE(ugx);
+  const auto first = json::parse_json(first_picture(*ugx), "first picture");
+  ASSERT_TRUE(first) << first.error().text();
+  EXPECT_EQ((*first)["scene"]["characters"].size(), content::testing::make_scenario().characters.size());
+  EXPECT_TRUE((*first)["devices"].is_object());
+  auto player = content::Player::open(*ugx);
+  ASSERT_TRUE(player);
+  content::DisplayFrame frame;
+  player->display_frame(frame);
+  std::vector<std::byte> bytes;
+  content::encode_frame(frame, 0, content::frame_simulate, bytes);
+  const auto drawn = from_base64((*first)["frame"].get<std::string>());
+  ASSERT_TRUE(drawn);
+  EXPECT_TRUE(std::ranges::equal(std::as_bytes(std::span(*drawn)), bytes));
+  const auto page = make_page(page_text, "x", *ugx);
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->find("ugoki-first\"></script>"), std::string::npos);
+}
+
+TEST(Page, OfContentThatCannotBeOpenedHasNoFirstPicture) {
+  EXPECT_TRUE(first_picture(random_bytes(100, 1)).empty());
+  const auto page = make_page(page_text, "x", random_bytes(100, 1));
+  ASSERT_TRUE(page);
+  EXPECT_NE(page->find("ugoki-first\"></script>"), std::string::npos);
 }
 
 TEST(Page, WithoutItsMarksIsRefused) { EXPECT_FALSE(make_page("<html></html>", "x", {})); }

@@ -216,6 +216,25 @@ await test('the page opens from a disk, starts to play, and sends no request to 
   expect(errors.length === 0, errors.join('; '));
 });
 
+await test('the page draws its first picture before its engine is unpacked, from what the engine returns too', async () => {
+  const context = await browser.newContext();
+  const early = await context.newPage();
+  await early.addInitScript(() => {
+    window.seen = [];
+    for (const type of ['picture', 'ready', 'play']) document.addEventListener(type, () => window.seen.push(type));
+  });
+  await early.goto(`file://${at('park.html')}`);
+  await early.waitForFunction(() => window.seen.includes('play'), undefined, { timeout: 30000 });
+  const { seen, inside, engine } = await early.evaluate(async () => {
+    const packed = Uint8Array.from(atob(document.getElementById('ugoki-first').textContent), (c) => c.charCodeAt(0));
+    const text = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'))).text();
+    return { seen: window.seen, inside: JSON.stringify(JSON.parse(text).scene), engine: JSON.stringify(document.querySelector('ugoki-player').scene) };
+  });
+  expect(seen.join() === 'picture,ready,play', seen.join());
+  expect(inside === engine, 'the scene inside the page differs from that of the engine');
+  await context.close();
+});
+
 await test('the page reaches the same state as `ugoki run` after the recorded inputs', async () => {
   const { done, hash } = await repeat(page, steps);
   expect(done === steps && hash === wanted, `${done} steps, ${hash}, wanted ${wanted}`);

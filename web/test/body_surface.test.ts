@@ -1,7 +1,7 @@
 import * as THREE from 'three';
 import { describe, expect, it } from 'vitest';
 import type { MechanismData } from '../src/core/protocol';
-import { finish, make_body_surface, make_rough_surface, type BodySurface, type IndexRange } from '../src/view/body_surface';
+import { finish, make_body_surface, make_rough_surface, surfaces_ready, type BodySurface, type IndexRange } from '../src/view/body_surface';
 import { BodyField, bind_poses } from '../src/view/body_field';
 
 type Link = { label: string; parent: number; at: [number, number, number]; shape: object };
@@ -17,6 +17,7 @@ const spheres = mechanism(Array.from({ length: 8 }, (_, i) => ({ label: `part ${
 /** A chain of equal capsules along z, each of which begins at the end of the previous one. */
 const chain = mechanism(Array.from({ length: 8 }, (_, i) => ({ label: `part ${i} left`, parent: i - 1, at: [0, 0, 0.3 * i], shape: { type: 'capsule', radius, half_length: 0.15, pose: [0, 0, 0.15, 1, 0, 0, 0] } })));
 
+await surfaces_ready;
 const made = { spheres: make_body_surface(spheres)!, chain: make_body_surface(chain)! };
 const points = (s: BodySurface): THREE.Vector3[] => {
   const p = s.geometry.getAttribute('position');
@@ -59,6 +60,33 @@ describe('the surface of a body', () => {
     const exact = 8 * (4 / 3) * Math.PI * radius ** 3;
     expect(Math.abs(volume(surface, surface.shadow) / exact - 1)).toBeLessThan(0.24);
     expect(Math.abs(volume(surface, surface.shown) / exact - 1)).toBeLessThan(0.1); // facets of 1/100 of the body's length lie inside the spheres
+  });
+
+  it('has fewer triangles where it is flat, and stays near the zero level between the vertices', () => {
+    // a chain with a long link in the middle
+    const [first, length] = [0.6, 1.4]; // m
+    const body = mechanism(
+      Array.from({ length: 8 }, (_, i) => {
+        const half = i === 3 ? length / 2 : 0.1;
+        return { label: `part ${i} left`, parent: i - 1, at: [0, 0, i <= 3 ? 0.2 * i : first + length + 0.2 * (i - 4)] as [number, number, number], shape: { type: 'capsule', radius, half_length: half, pose: [0, 0, half, 1, 0, 0, 0] } };
+      }),
+    );
+    const surface = make_body_surface(body)!;
+    const field = new BodyField(body, bind_poses(body));
+    const p = points(surface);
+    const index = indices(surface, surface.shown);
+    let [near, far] = [0, 0]; // triangles within 0.3 m of the joints of the long link, on this link, and the others on this link
+    for (let i = 0; i < index.length; i += 3) {
+      const centre = [0, 1, 2].reduce((sum, k) => sum.add(p[index[i + k]!]!), new THREE.Vector3()).divideScalar(3);
+      expect(Math.abs(field.distance(centre.x, centre.y, centre.z))).toBeLessThan(4e-3); // cells are 29 mm wide: 1.4 mm without joined triangles
+      const along = centre.z - first;
+      if (along < 0 || along > length) continue;
+      if (Math.min(along, length - along) < 0.3) near++;
+      else far++;
+    }
+    expect(far / 0.8).toBeLessThan(0.5 * (near / 0.6)); // triangles per metre
+    expect(surface.shadow.count).toBeLessThan(0.7 * surface.shown.count);
+    expect(p.length).toBe(new Set(index).size); // no vertex without a triangle
   });
 
   it('encloses the shapes, and a limb is at most a quarter of its radius thicker at joints', () => {

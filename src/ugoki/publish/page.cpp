@@ -2,8 +2,13 @@
 
 #include <zlib.h>
 
+#include <vector>
+
 #include "ugoki/base/base64.h"
 #include "ugoki/base/check.h"
+#include "ugoki/content/display_frame.h"
+#include "ugoki/content/mechanism_display.h"
+#include "ugoki/content/player.h"
 
 namespace ugoki::publish {
 namespace {
@@ -26,7 +31,25 @@ bool empty_script(std::string& text, std::string_view id) {
   return true;
 }
 
+/// Packs bytes for a script element: gzip in Base64.
+std::string pack(std::span<const std::byte> bytes) {
+  const std::string packed = to_gzip(bytes);
+  return to_base64({reinterpret_cast<const std::uint8_t*>(packed.data()), packed.size()});
+}
+
 }  // namespace
+
+std::string first_picture(std::span<const std::byte> ugx) {
+  Result<content::Player> player = content::Player::open(ugx);
+  if (!player) return {};
+  content::DisplayFrame frame;
+  player->display_frame(frame);
+  std::vector<std::byte> bytes;
+  content::encode_frame(frame, 0, content::frame_simulate, bytes);
+  return R"({"scene":)" + content::scene_json(player->content()) + R"(,"devices":)" +
+         circuit::write_device_use(player->devices().use()) + R"(,"frame":")" +
+         to_base64({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}) + R"("})";
+}
 
 std::string escape_html(std::string_view text) {
   std::string out;
@@ -66,12 +89,10 @@ std::string to_gzip(std::span<const std::byte> bytes) {
 }
 
 Result<std::string> make_page(std::string page, std::string_view title, std::span<const std::byte> ugx, PageEngine engine) {
-  std::string content;
-  if (engine != PageEngine::native) {
-    const std::string packed = to_gzip(ugx);
-    content = to_base64({reinterpret_cast<const std::uint8_t*>(packed.data()), packed.size()});
-  }
-  bool good = replace(page, "@UGOKI_TITLE@", escape_html(title)) && replace(page, "@UGOKI_CONTENT@", content);
+  const std::string content = engine == PageEngine::native ? "" : pack(ugx);
+  const std::string first = engine == PageEngine::inside ? first_picture(ugx) : "";
+  bool good = replace(page, "@UGOKI_TITLE@", escape_html(title)) && replace(page, "@UGOKI_CONTENT@", content) &&
+              replace(page, "@UGOKI_FIRST@", first.empty() ? "" : pack(std::as_bytes(std::span(first))));
   if (engine == PageEngine::native) good = good && empty_script(page, "ugoki-engine");
   if (engine != PageEngine::inside)
     good = good && replace(page, "<html lang=\"en\">",

@@ -23,6 +23,11 @@ enum class PageEngine {
 [[nodiscard]] Result<std::string> make_page(std::string page, std::string_view title, std::span<const std::byte> ugx,
                                             PageEngine engine = PageEngine::inside);
 
+/// Returns what a page needs to draw its first picture before its engine is unpacked: one JSON object with `scene` (content::scene_json()),
+/// `devices` (circuit::write_device_use()) and `frame` (content::encode_frame() in Base64). Empty if the content cannot be opened; the
+/// engine of the page then reports why. @param ugx executable data
+[[nodiscard]] std::string first_picture(std::span<const std::byte> ugx);
+
 /// Compresses bytes to gzip (RFC 1952) with the highest compression. Equal bytes give equal results.
 [[nodiscard]] std::string to_gzip(std::span<const std::byte> bytes);
 

@@ -19,8 +19,11 @@ const max_distance = 1e4; // m
 /** Opens the engine of a page. @param src address of the content; null: the content inside the page */
 export type OpenEngine = (src: string | null) => Promise<Engine>;
 let open_engine: OpenEngine = () => Promise.reject(new Error('This page has no engine.'));
-export function set_engine_source(open: OpenEngine): void {
+let open_still: () => Promise<Engine | null> = () => Promise.resolve(null);
+/** @param still opens an engine that only has the first frame of the content inside the page, in a fraction of the time; null: there is none */
+export function set_engine_source(open: OpenEngine, still = open_still): void {
   open_engine = open;
+  open_still = still;
 }
 
 const icon = (path: string): string => `<svg viewBox="0 0 16 16" aria-hidden="true">${path}</svg>`;
@@ -41,7 +44,12 @@ const max_backlog = 0.1; // s: maximum delay of the content; if the delay is lar
 export class UgokiPlayer extends HTMLElement implements GestureHost {
   static observedAttributes = ['src', 'theme', 'tool'];
   private parts!: Record<'canvas' | 'name' | 'assist' | 'board' | 'play' | 'again' | 'time' | 'progress' | 'line' | 'rate' | 'pull' | 'push' | 'follow' | 'all' | 'speed' | 'label' | 'hint' | 'start' | 'message', HTMLElement>;
+  /** Present from the first picture on. */
   private opened: { engine: Engine; view: SceneView; gestures: Gestures; controls: PlayControls } | null = null;
+  /** True: the engine can run the content. */
+  private ready = false;
+  private play_when_ready = false;
+  private waiting: (() => void)[] = [];
   private running = false;
   private finished = false;
   private rate = 1;
@@ -84,7 +92,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
 
   // ---- the documented interface ----
 
-  /** The content: name, duration, characters. Null until the event `ready`. */
+  /** The content: name, duration, characters. Null until it is shown. */
   get scene(): Scene | null {
     return this.opened?.engine.scene ?? null;
   }
@@ -121,6 +129,10 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
 
   play(): void {
     if (!this.opened || this.running) return;
+    if (!this.ready) {
+      this.play_when_ready = true;
+      return;
+    }
     if (this.finished) this.reset();
     this.running = true;
     this.backlog = 0;
@@ -130,6 +142,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
   }
 
   pause(): void {
+    this.play_when_ready = false;
     if (!this.running) return;
     this.running = false;
     this.opened?.gestures.abandon();
@@ -140,7 +153,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
 
   /** Returns to time 0. */
   reset(): void {
-    if (!this.opened) return;
+    if (!this.opened || !this.ready) return;
     this.opened.gestures.abandon();
     this.opened.engine.reset();
     this.opened.view.directed = true;
@@ -154,7 +167,9 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
 
   /** Runs `count` steps at once, without waiting for real time. @return steps done */
   async step(count: number): Promise<number> {
-    const done = (await this.opened?.engine.step(in_range('count', count, 0, 1e9))) ?? 0;
+    in_range('count', count, 0, 1e9);
+    await this.until_ready();
+    const done = (await this.opened?.engine.step(count)) ?? 0;
     this.check_end();
     this.invalidate();
     return done;
@@ -178,14 +193,17 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
   }
   /** Sets the inputs of a recorded run; they act after the next reset(). */
   async schedule(inputs: RecordedInput[]): Promise<void> {
+    await this.until_ready();
     await this.opened?.engine.schedule(inputs);
   }
   /** Returns the inputs since the last reset(). */
   async recorded(): Promise<RecordedInput[]> {
+    await this.until_ready();
     return (await this.opened?.engine.recorded()) ?? [];
   }
   /** Returns the hash of all positions and velocities; equal hashes mean equal bits. */
   async state_hash(): Promise<string> {
+    await this.until_ready();
     return (await this.opened?.engine.state_hash()) ?? '';
   }
   /** Moves the camera so that everything is in view. */
@@ -271,18 +289,44 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     this.began = performance.now();
     this.first_picture = 0;
     this.message('Loading …', 'busy');
+    this.play_when_ready = this.hasAttribute('autoplay') && !matchMedia('(prefers-reduced-motion: reduce)').matches;
+    const stale = (): boolean => generation !== this.generation || !this.isConnected;
     try {
-      const engine = await open_engine(this.getAttribute('src'));
-      if (generation !== this.generation || !this.isConnected) return engine.dispose();
-      this.open(engine);
+      const src = this.getAttribute('src');
+      const still = src === null ? await open_still() : null;
+      if (stale()) return;
+      if (still) {
+        this.open(still);
+        await this.first_drawn();
+        if (stale()) return;
+      }
+      const engine = await open_engine(src);
+      if (stale()) return engine.dispose();
+      if (this.opened) this.opened.engine = engine;
+      else this.open(engine);
+      this.begin();
     } catch (error) {
       if (generation !== this.generation) return;
       const text = (error as Error).message;
       this.message(text);
+      for (const go_on of this.waiting.splice(0)) go_on();
       this.notify('error', { message: text });
     }
   }
 
+  /** Waits until the engine can run the content that is shown. */
+  private until_ready(): Promise<void> | undefined {
+    return this.opened && !this.ready ? new Promise((done) => this.waiting.push(done)) : undefined;
+  }
+
+  /** Waits until the browser has the first picture, because unpacking the engine would delay it. */
+  private async first_drawn(): Promise<void> {
+    const next = (): Promise<unknown> => new Promise((done) => requestAnimationFrame(done));
+    while (this.opened && this.first_picture === 0 && !document.hidden) await next();
+    if (!document.hidden) await next();
+  }
+
+  /** Shows the content of an engine. */
   private open(engine: Engine): void {
     let view: SceneView;
     try {
@@ -291,7 +335,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
       engine.dispose();
       throw new Error(`The 3D picture cannot be drawn: ${(error as Error).message}. Enable WebGL (hardware acceleration) in the browser, then reload the page.`);
     }
-    const controls = new PlayControls((message) => engine.input(message));
+    const controls = new PlayControls((message) => this.opened?.engine.input(message));
     controls.set_devices(engine.devices);
     this.opened = { engine, view, gestures: new Gestures(view.canvas, this), controls };
     this.parts.name.textContent = engine.scene.name;
@@ -302,18 +346,27 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     const frame = engine.frame;
     if (frame) view.place(frame);
     view.first_view();
-    this.hint();
     this.show_state();
     this.last = performance.now();
     cancelAnimationFrame(this.handle);
     this.handle = requestAnimationFrame(this.tick);
+  }
+
+  /** The engine is complete: the content can run. */
+  private begin(): void {
+    this.ready = true;
+    this.last = performance.now();
+    this.hint();
+    this.show_state();
     this.notify('ready');
-    if (this.hasAttribute('autoplay') && !matchMedia('(prefers-reduced-motion: reduce)').matches) this.play();
+    if (this.play_when_ready) this.play();
+    for (const go_on of this.waiting.splice(0)) go_on();
   }
 
   private close(): void {
     cancelAnimationFrame(this.handle);
-    this.running = false;
+    this.ready = this.play_when_ready = this.running = false;
+    for (const go_on of this.waiting.splice(0)) go_on();
     this.opened?.engine.dispose();
     this.opened?.view.dispose();
     if (this.opened) {
@@ -442,7 +495,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     pull.setAttribute('aria-pressed', String(this.tool === 'pull'));
     push.setAttribute('aria-pressed', String(this.tool === 'push'));
     follow.setAttribute('aria-pressed', String((this.opened?.view.followed ?? -1) >= 0));
-    start.hidden = !this.opened || this.running || this.time > 0 || this.getAttribute('controls') === 'none';
+    start.hidden = !this.ready || this.running || this.time > 0 || this.getAttribute('controls') === 'none';
     this.show_values(performance.now());
   }
 

@@ -4,7 +4,9 @@ import { in_range } from './ranges';
 import { set_engine_source, UgokiPlayer } from './element';
 import { engine_of, inline_data } from './payload';
 import { draw_pictures } from './pictures';
+import { surfaces_ready } from '../view/body_surface';
 import { open_remote_engine } from './remote_engine';
+import { read_still } from './still_engine';
 import { open_wasm_engine } from './wasm_engine';
 
 const content_of = async (src: string | null): Promise<Uint8Array> => {
@@ -22,11 +24,17 @@ let module: Promise<Uint8Array<ArrayBuffer> | null> | null = null;
 
 /** Opens the engine inside the page. If a native program serves the page, the program is the engine. */
 async function open_engine(src: string | null): Promise<Engine> {
-  if (src === null && document.documentElement.dataset.engine === 'native') return open_remote_engine();
+  if (src === null && document.documentElement.dataset.engine === 'native') return surfaces_ready.then(open_remote_engine);
   module ??= engine_bytes();
-  const [wasm, content] = await Promise.all([module, content_of(src)]);
+  const [wasm, content] = await Promise.all([module, content_of(src), surfaces_ready]);
   if (!wasm) throw new Error('This page has no engine. Export it again.');
   return open_wasm_engine(wasm, content);
+}
+
+/** The first frame of the content inside this page; null if the page has none. */
+async function open_still(): Promise<Engine | null> {
+  const [data] = await Promise.all([inline_data('ugoki-first'), surfaces_ready]);
+  return data && read_still(data);
 }
 
 let engine_bytes = (): Promise<Uint8Array<ArrayBuffer> | null> => inline_data('ugoki-engine', engine_of);
@@ -37,7 +45,7 @@ export function set_engine_bytes(get: () => Promise<Uint8Array<ArrayBuffer> | nu
 
 /** Defines the element, or draws pictures if the page was made for pictures. Players that the page already contains begin to load. */
 export function start(): void {
-  set_engine_source(open_engine);
+  set_engine_source(open_engine, open_still);
   if (document.documentElement.dataset.engine === 'pictures') void draw_pictures(() => open_engine(null));
   else if (!customElements.get('ugoki-player')) customElements.define('ugoki-player', UgokiPlayer);
 }

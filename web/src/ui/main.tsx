@@ -10,6 +10,7 @@ import { App } from './App';
 import { code_of } from '../core/access';
 import { draft_key } from '../core/state';
 import { register_commands } from './actions';
+import { surfaces_ready } from '../view/body_surface';
 import { access, session } from './app';
 import { expose_hook } from './hook';
 
@@ -38,7 +39,7 @@ const refused = (
     This page has no access to the studio. Open the complete address that <code>ugoki studio</code> printed last.
   </p>
 );
-void access.enter().then((entry) => {
+void Promise.all([access.enter(), surfaces_ready]).then(([entry]) => {
   if (entry === 'refused') return root.render(refused);
   root.render(<App />);
   session.start();

@@ -1,4 +1,5 @@
 /** The smooth surface of a body: the zero level of its distance field as one mesh, bound to the links with weights (linear blend skinning). */
+import { MeshoptSimplifier } from 'meshoptimizer/simplifier';
 import * as THREE from 'three';
 import type { MechanismData } from '../core/protocol';
 import { BodyField, bind_poses, is_body } from './body_field';
@@ -18,15 +19,22 @@ export interface IndexRange {
   count: number;
 }
 
-const shadow_cells_over_height = 65; // edges of shadows move by at most 2 mm, less than a texel of the shadow map
 const cells_over_height = 100; // 18 mm for a person of 1.8 m: fingers and toes of the samples have no shapes of their own
 const rough_cells_over_height = 45; // a fifth of the work
+// Where the surface is flat, its triangles are joined. The bounds are in cells: an arm of 50 mm radius deviates by as much between its vertices.
+const shown_error = 0.055; // 1 mm for a person of 1.8 m
+const shadow_error = 0.11; // 2 mm, less than a texel of the shadow map
+const normal_weight = 28; // a normal that is wrong by 1/500 counts as 1 mm, because light shows it
+const bend_weight = 2.8; // a wrong part of 1/50 between two links counts as 1 mm: a bent limb moves by about its radius
 const block = 4; // edge of a block of cells that is skipped if it is far from the surface, cells
 const vertices_at_once = 128; // work between two pauses
 /** Maximum number of links of a body; sets the size of a uniform array of the shader, of which WebGL 2 guarantees 256 vectors. */
 export const max_links = 96;
 
-/** Work in parts of about a millisecond. */
+/** Surfaces can be made after this. */
+export const surfaces_ready = MeshoptSimplifier.ready;
+
+/** Work in parts of about a millisecond; joining flat triangles takes about 20 ms. */
 export type Work<T> = Generator<undefined, T>;
 
 /** Does all of the work at once. */
@@ -39,7 +47,7 @@ export function finish<T>(work: Work<T>): T {
 
 /** Makes the surface of a mechanism in about 0.2 s; null if the mechanism is no body (robots, balls, boxes). */
 export function make_body_surface(mechanism: MechanismData): BodySurface | null {
-  return surface_of(mechanism, (field) => finish(details_of(field, [cells_over_height, shadow_cells_over_height])));
+  return surface_of(mechanism, (field) => finish(details_of(field, false)));
 }
 
 /**
@@ -47,29 +55,31 @@ export function make_body_surface(mechanism: MechanismData): BodySurface | null 
  * @return the surface, and the work after which the same objects are the surface of make_body_surface()
  */
 export function make_rough_surface(mechanism: MechanismData): { surface: BodySurface; refine: Work<void> } | null {
-  const surface = surface_of(mechanism, (field) => finish(details_of(field, [rough_cells_over_height])));
+  const surface = surface_of(mechanism, (field) => finish(details_of(field, true)));
   if (!surface) return null;
   function* refine(rough: BodySurface): Work<void> {
-    set_details(rough, yield* details_of(new BodyField(mechanism, bind_poses(mechanism)), [cells_over_height, shadow_cells_over_height]));
+    set_details(rough, yield* details_of(new BodyField(mechanism, bind_poses(mechanism)), false));
   }
   return { surface, refine: refine(surface) };
 }
 
-/** What a surface consists of; the meshes of all levels of detail are one after the other. */
+/** What a surface consists of. */
 interface Details {
   positions: Float32Array;
   normals: Float32Array;
   links: Uint16Array;
   weights: Float32Array;
+  /** First the triangles that are shown, then those that cast the shadow if these are others. */
   indices: Uint32Array;
-  ranges: IndexRange[];
+  shown: IndexRange;
+  shadow: IndexRange;
 }
 
 function surface_of(mechanism: MechanismData, details: (field: BodyField) => Details): BodySurface | null {
   if (!is_body(mechanism) || mechanism.links.length > max_links) return null;
   const bind = bind_poses(mechanism);
   const made = details(new BodyField(mechanism, bind));
-  if (made.ranges[0]!.count === 0) return null;
+  if (made.shown.count === 0) return null;
   const empty = { start: 0, count: 0 };
   const surface: BodySurface = { geometry: new THREE.BufferGeometry(), shown: { ...empty }, shadow: { ...empty }, inverses: bind.map((m) => m.clone().invert()) };
   set_details(surface, made);
@@ -84,33 +94,65 @@ function set_details({ geometry, shown, shadow }: BodySurface, made: Details): v
   geometry.setAttribute('skinWeight', new THREE.BufferAttribute(made.weights, 4));
   geometry.setIndex(new THREE.BufferAttribute(made.indices, 1));
   geometry.computeBoundingSphere();
-  Object.assign(shown, made.ranges[0]);
-  Object.assign(shadow, made.ranges[made.ranges.length - 1]);
+  Object.assign(shown, made.shown);
+  Object.assign(shadow, made.shadow);
   geometry.setDrawRange(shown.start, shown.count);
 }
 
-/** @param levels cells over the height of the mesh that is shown, and of the one that casts shadows if it is another one */
-function* details_of(field: BodyField, levels: readonly number[]): Work<Details> {
-  const meshes: Mesh[] = [];
-  for (const cells of levels) meshes.push(yield* mesh_of(field, cells));
-  const positions = new Float32Array(meshes.reduce((sum, mesh) => sum + mesh.positions.length, 0));
-  const indices = new Uint32Array(meshes.reduce((sum, mesh) => sum + mesh.indices.length, 0));
-  const ranges: IndexRange[] = [];
-  let [vertex, start] = [0, 0];
-  for (const mesh of meshes) {
-    positions.set(mesh.positions, 3 * vertex);
-    for (let i = 0; i < mesh.indices.length; i++) indices[start + i] = vertex + mesh.indices[i]!;
-    ranges.push({ start, count: mesh.indices.length });
-    vertex += mesh.positions.length / 3;
-    start += mesh.indices.length;
-  }
+function* details_of(field: BodyField, rough: boolean): Work<Details> {
+  const { positions, indices, cell } = yield* mesh_of(field, rough ? rough_cells_over_height : cells_over_height);
   const normals = yield* normals_of(field, positions);
-  return { positions, normals, ...(yield* weights_of(field, positions)), indices, ranges };
+  const skin = yield* weights_of(field, positions);
+  const range = { start: 0, count: indices.length };
+  if (rough || indices.length === 0) return { positions, normals, ...skin, indices, shown: range, shadow: range };
+  yield;
+  const shown = join_flat(field, { positions, normals, ...skin, indices }, cell);
+  yield;
+  const [shadow] = MeshoptSimplifier.simplify(shown, positions, 3, 0, shadow_error * cell, ['ErrorAbsolute']);
+  const [places, count] = MeshoptSimplifier.compactMesh(shown); // changes `shown` to the places
+  const kept = <A extends Float32Array | Uint16Array>(values: A, size: number): A => {
+    const out = values.slice(0, size * count) as A;
+    places.forEach((place, i) => {
+      if (place < count) for (let k = 0; k < size; k++) out[size * place + k] = values[size * i + k]!;
+    });
+    return out;
+  };
+  const all = new Uint32Array(shown.length + shadow.length);
+  all.set(shown);
+  shadow.forEach((i, k) => (all[shown.length + k] = places[i]!));
+  return {
+    positions: kept(positions, 3),
+    normals: kept(normals, 3),
+    links: kept(skin.links, 4),
+    weights: kept(skin.weights, 4),
+    indices: all,
+    shown: { start: 0, count: shown.length },
+    shadow: { start: shown.length, count: shadow.length },
+  };
+}
+
+/** Joins triangles where the surface is flat and where all vertices follow the links alike. @param cell edge of a cell, m */
+function join_flat(field: BodyField, { positions, normals, links, weights, indices }: Omit<Details, 'shown' | 'shadow'>, cell: number): Uint32Array {
+  // distance of the followed links from the root, in links: it changes evenly where a vertex moves from one link to the next
+  const depths: number[] = [];
+  for (const link of field.links) {
+    depths[link.index] = 0;
+    for (let up = link.parent; up; up = up.parent) depths[link.index]!++;
+  }
+  const attributes = new Float32Array((4 * positions.length) / 3);
+  for (let i = 0; i < positions.length / 3; i++) {
+    for (let k = 0; k < 3; k++) attributes[4 * i + k] = normals[3 * i + k]!;
+    for (let k = 0; k < 4; k++) attributes[4 * i + 3]! += weights[4 * i + k]! * (depths[links[4 * i + k]!] ?? 0);
+  }
+  const factors = [normal_weight, normal_weight, normal_weight, bend_weight].map((w) => w * cell);
+  return MeshoptSimplifier.simplifyWithAttributes(indices, positions, 3, attributes, 4, factors, null, 0, shown_error * cell, ['ErrorAbsolute'])[0];
 }
 
 interface Mesh {
   positions: Float32Array;
-  indices: number[];
+  indices: Uint32Array;
+  /** Edge of a cell, m. */
+  cell: number;
 }
 
 /** The zero level as a mesh by surface nets: one vertex for each cell that the level crosses, one quad for each crossed edge. */
@@ -205,7 +247,7 @@ function* mesh_of(field: BodyField, cells: number): Work<Mesh> {
         }
       }
   }
-  return { positions: yield* settle(field, new Float32Array(positions), h), indices };
+  return { positions: yield* settle(field, new Float32Array(positions), h), indices: new Uint32Array(indices), cell: h };
 }
 
 /** Moves vertices onto the zero level along the gradient: the cells' size is not visible on the surface. */
