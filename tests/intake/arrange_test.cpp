@@ -143,47 +143,6 @@ TEST(Arrange, WalkingInPlaceIsFoundAndGetsItsTravel) {
   EXPECT_LT(max_distance(before, walk), 0.15 * norm(travel));
 }
 
-/// A motion of 2 s in which the hips and shoulders of an animal, joints 0 to 3, move up and down by `height` in 0.5 s.
-MeasuredMotion bouncing(double height) {
-  MeasuredMotion m;
-  m.rate = 60;
-  m.frames = 121;
-  for (int i = 0; i < 4; ++i) {
-    SkeletonJoint joint;
-    joint.name = "j" + std::to_string(i);
-    joint.translates = true;
-    m.skeleton.joints.push_back(std::move(joint));
-  }
-  for (int f = 0; f < m.frames; ++f)
-    for (int i = 0; i < 4; ++i) {
-      m.translations.push_back({0.5 * (i / 2), 0.1 * (i % 2), 0.5 * height * ugoki::sin(4 * pi * f / m.rate)});
-      m.rotations.emplace_back();
-    }
-  return m;
-}
-
-TEST(Arrange, TheUnitOfAnAnimalFollowsFromItsTrunkAndFromGravity) {
-  body::Character dog;
-  dog.plan = body::BodyPlan::four_legs;
-  dog.legs = {body::Limb{.proximal = 0}, body::Limb{.proximal = 1}};
-  dog.arms = {body::Limb{.proximal = 2}, body::Limb{.proximal = 3}};
-  const auto unit = [&](double trunk, double metres, bool trusted, double height) {
-    dog.trunk_length = trunk;
-    const MeasuredMotion m = bouncing(height);
-    return unit_of_animal(dog, std::span(&m, 1), metres, trusted);
-  };
-  // 45 units read as inches, which a person of usual height would have: centimetres. Metres and plausible centimetres stay.
-  EXPECT_DOUBLE_EQ(unit(45 * 0.0254, 0.0254, false, 0).value(), 0.01);
-  EXPECT_DOUBLE_EQ(unit(0.45 * 0.01, 0.01, false, 0).value(), 1);
-  EXPECT_FALSE(unit(0.45, 0.01, false, 0));
-  EXPECT_FALSE(unit(1.2, 1, true, 0.05));
-  // No animal but an elephant has a trunk of 2.5 m.
-  EXPECT_NEAR(unit(2.5, 1, true, 0).value(), 0.8 / 2.5, 1e-12);
-  // Amplitude A and angular frequency w give accelerations of up to A w^2, here 0.25 (4 pi)^2 = 39.5 m/s^2: the animal must be a quarter
-  // as large. The difference over 0.08 s is 8 % smaller than the second derivative.
-  EXPECT_NEAR(unit(1.2, 1, true, 0.5).value(), 9.81 / 39.5, 0.03);
-}
-
 TEST(Arrange, FeetDrivenFromTheRootAreAttachedToTheirShanks) {
   // Game rigs: the feet are children of the root, and inverse kinematics keeps them at the ends of the shanks.
   const MeasuredMotion before = samples::make_human_walk();

@@ -14,6 +14,7 @@
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/formats/trc.h"
 #include "ugoki/geometry/prepare.h"
+#include "ugoki/intake/animal_size.h"
 #include "ugoki/intake/arrange.h"
 #include "ugoki/intake/choice.h"
 #include "ugoki/intake/scale.h"
@@ -152,6 +153,48 @@ Result<void> choose(std::vector<MeasuredMotion>& motions, const IntakeOptions& o
   return {};
 }
 
+/// Species that the caller or names in the file state.
+Result<std::optional<SpeciesMass>> species_of(const std::vector<MeasuredMotion>& motions, const IntakeOptions& options,
+                                              const std::string& file_name) {
+  if (options.species == "none") return std::optional<SpeciesMass>{};
+  if (!options.species.empty()) {
+    if (std::optional<SpeciesMass> given = species_mass(options.species)) return given;
+    return fail(ErrorCode::unknown, file_name, "The species '" + options.species + "' is not known.",
+                "Use one of these, or none: " + known_species() + ".");
+  }
+  std::vector<std::string> names;
+  for (const MeasuredMotion& m : motions) names.push_back(m.name);
+  for (const SkeletonJoint& j : motions[0].skeleton.joints)
+    if (j.parent < 0) names.push_back(j.name);
+  return species_in_names(base_name(file_name), names);
+}
+
+/// Scales the motions if another unit of length than the file's is more plausible, and adds a remark about it.
+void set_size(std::vector<MeasuredMotion>& motions, const body::Character& character, const std::optional<SpeciesMass>& species,
+              formats::ReadNotes& notes, const IntakeOptions& options, Intake& out) {
+  if (options.unit != 0 || options.height != 0) return;
+  double unit = out.metres_per_unit;
+  std::string reason;
+  if (const auto size = size_of_animal(character, motions, unit, !notes.unit_guessed, species)) {
+    unit = size->unit;
+    reason = size->reason;
+  } else if (const auto by_height = unit_by_height(character, unit, !notes.unit_guessed)) {
+    const double length = character.leg_length;
+    unit = *by_height;
+    reason = "The unit of length is assumed to be " + to_text(unit) + " m, with which the legs of the character are " +
+             to_fixed(length * unit / out.metres_per_unit, 3) + " m long" +
+             (notes.unit_guessed ? "" : "; with the unit that the file states the length would be " + to_fixed(length, 3) + " m") +
+             ". Set the unit if it is wrong.";
+  }
+  if (unit != out.metres_per_unit) {
+    std::erase_if(notes.remarks, [](const std::string& r) { return r.starts_with("Lengths are assumed to be in "); });
+    for (MeasuredMotion& m : motions) scale(m, unit / out.metres_per_unit);
+    out.metres_per_unit = notes.metres_per_unit = unit;
+    out.unit_guessed = notes.unit_guessed = true;
+  }
+  if (!reason.empty()) notes.remarks.push_back(std::move(reason));
+}
+
 /// Lowers the root of an animal that hovers. @return a sentence about it; empty if it does not hover
 std::string lower_to_floor(MeasuredMotion& measured, const body::Body& body) {
   const Motion motion = body::to_motion(body, measured);
@@ -183,6 +226,8 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   const body::AnatomyMapping* mapping = options.mapping ? &*options.mapping : nullptr;
   if (mapping)
     if (Error wrong = body::check_mapping(*mapping, motions[0].skeleton, "mapping"); !wrong.empty()) return fail(std::move(wrong));
+  const Result<std::optional<SpeciesMass>> species = species_of(motions, options, std::string(file_name));
+  if (!species) return fail(species.error());
   body::Character character = arrange(motions, notes.remarks, mapping, mesh_ends);
   if (mapping && character.plan == body::BodyPlan::other && mapping->plan != "other")
     return fail(ErrorCode::structure, "mapping", "The mapping does not give a body: " + character.why_not,
@@ -198,20 +243,7 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
                             ", along which trunk and legs of the character point; set the axes if it is wrong.");
   }
   const bool animal = character.plan == body::BodyPlan::four_legs;
-  const std::optional<double> unit = animal ? unit_of_animal(character, motions, out.metres_per_unit, !notes.unit_guessed)
-                                            : unit_by_height(character, out.metres_per_unit, !notes.unit_guessed);
-  if (unit && options.unit == 0 && options.height == 0) {
-    const double factor = *unit / out.metres_per_unit, length = animal ? character.trunk_length : character.leg_length;
-    std::erase_if(notes.remarks, [](const std::string& r) { return r.starts_with("Lengths are assumed to be in "); });
-    notes.remarks.push_back(
-        "The unit of length is assumed to be " + to_text(*unit) + " m, with which the " +
-        (animal ? "trunk of the animal is " : "legs of the character are ") + to_fixed(length * factor, 3) + " m long" +
-        (notes.unit_guessed ? "" : "; with the unit that the file states the length would be " + to_fixed(length, 3) + " m") +
-        ". Set the unit if it is wrong.");
-    for (MeasuredMotion& m : motions) scale(m, factor);
-    out.metres_per_unit = notes.metres_per_unit = *unit;
-    out.unit_guessed = notes.unit_guessed = true;
-  }
+  set_size(motions, character, *species, notes, options, out);
   std::vector<std::string> checks;
   for (MeasuredMotion& m : motions)
     if (std::string sentence = cut_at_jumps(character, m); !sentence.empty())

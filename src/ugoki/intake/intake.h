@@ -31,6 +31,7 @@ struct IntakeOptions {
   double unit = 0;                              ///< m per unit of length of the file; 0: guessed (BVH) or as the format specifies (ASF)
   double rate = 120;                            ///< frames/s of AMC files, whose format does not specify it
   double frame_rate = 0;                        ///< frames/s, overrides the file; 0: as the file specifies
+  std::string species;                          ///< of a four-legged animal; empty: as names in the file state it, "none": unknown
   std::optional<Orientation> axes;              ///< up and forward axes of the file's space; std::nullopt: as the reader assumes
   std::optional<body::AnatomyMapping> mapping;  ///< corrects the recognised anatomy
   std::string character;                        ///< of a file with several: its number from 1, or its root joint; empty: the first

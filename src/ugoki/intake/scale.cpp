@@ -42,48 +42,6 @@ std::optional<double> unit_by_height(const body::Character& character, double me
   return best;
 }
 
-/// Downward acceleration [m/s^2] of the trunk that is exceeded in 2 % of the frames; 0 if the motions are too short to measure it.
-double fall_of_trunk(const body::Character& character, std::span<const MeasuredMotion> motions) {
-  std::vector<double> falls;
-  for (const MeasuredMotion& m : motions) {
-    const int span = std::max(1, static_cast<int>(std::lround(0.04 * m.rate)));  // differences over shorter times measure noise
-    if (m.frames < 2 * span + 10) continue;
-    std::vector<double> heights;
-    for (const auto& X : world_of(m)) {
-      double z = 0;
-      for (const auto* limbs : {&character.legs, &character.arms})
-        for (const body::Limb& l : *limbs) z += 0.25 * X[at(l.proximal)].p.z;
-      heights.push_back(z);
-    }
-    const double time = span / m.rate;
-    for (int f = span; f + span < m.frames; ++f)
-      falls.push_back((2 * heights[at(f)] - heights[at(f - span)] - heights[at(f + span)]) / (time * time));
-  }
-  if (falls.size() < 20) return 0;
-  const auto k = falls.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(falls.size() - 1));
-  std::nth_element(falls.begin(), k, falls.end());
-  return *k;
-}
-
-std::optional<double> unit_of_animal(const body::Character& character, std::span<const MeasuredMotion> motions, double metres_per_unit,
-                                     bool trusted) {
-  if (character.plan != body::BodyPlan::four_legs || !(character.trunk_length > 0)) return std::nullopt;
-  constexpr double shortest = 0.06, longest = 1.6;  // m
-  double unit = metres_per_unit;
-  const auto trunk = [&] { return character.trunk_length / metres_per_unit * unit; };
-  if (!trusted)
-    for (const double candidate : {0.01, 1.0, 0.001, 0.0254}) {
-      unit = candidate;
-      if (trunk() > shortest && trunk() < longest) break;
-    }
-  const double fall = fall_of_trunk(character, motions) / metres_per_unit * unit;
-  // Smoothed and animated motions exceed g a little; 1.3 leaves these at their size.
-  if (constexpr double g = 9.81; fall > 1.3 * g) unit *= g / fall;
-  if (!(trunk() > shortest && trunk() < longest)) unit *= 0.8 / trunk();  // 0.8 m: between dog and horse
-  if (std::fabs(unit / metres_per_unit - 1) < 1e-9) return std::nullopt;
-  return unit;
-}
-
 std::optional<Vec3> belt_velocity(const body::Character& character, const MeasuredMotion& motion) {
   if (character.plan == body::BodyPlan::other || motion.frames < 10 || !(character.leg_length > 0)) return std::nullopt;
   std::vector<int> feet;

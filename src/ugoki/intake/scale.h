@@ -17,13 +17,6 @@ namespace ugoki::intake {
 /// If no usual unit does, the unit gives a height of 1.7 m.
 /// @return nothing if the height is plausible
 [[nodiscard]] std::optional<double> unit_by_height(const body::Character& character, double metres_per_unit, bool trusted);
-/// Unit of length [m per file unit] of a four-legged animal, if another one than `metres_per_unit` is more plausible. The trunk between
-/// hips and shoulders of such animals is 0.06 m (rat) to 1.6 m (cattle) long, and no part of the ground pulls: the trunk falls no faster
-/// than with g. Without a trusted unit, the first of cm, m, mm, inch that gives such a trunk is chosen.
-/// @param trusted the file states its unit
-[[nodiscard]] std::optional<double> unit_of_animal(const body::Character& character, std::span<const MeasuredMotion> motions,
-                                                   double metres_per_unit, bool trusted);
-
 /// Velocity [m/s, horizontal] of the floor under a character that walks in place (on a treadmill, or an animation without travel): the
 /// standing feet move with it while the character stays. Nothing if the character travels, or its standing feet do not move.
 [[nodiscard]] std::optional<Vec3> belt_velocity(const body::Character& character, const MeasuredMotion& motion);
