@@ -13,7 +13,9 @@
 #include "sources.h"
 #include "ugoki/content/inputs.h"
 #include "ugoki/files/files.h"
+#include "ugoki/formats/bvh.h"
 #include "ugoki/lsi/standard_library.h"
+#include "ugoki/motion_edit/to_measured.h"
 #include "ugoki/plugin/carry.h"
 #include "ugoki/publish/page.h"
 #include "ugoki/publish/parts.h"
@@ -28,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string target, html, native, embed, ugx, glb, usda, csv, fmu, mjcf, urdf, fbx, abc, blender, character, inputs, player, title;
+  std::string target, html, native, embed, ugx, glb, usda, csv, bvh, fmu, mjcf, urdf, fbx, abc, blender, character, inputs, player, title;
   SourceOptions source;
   PictureOutputs pictures;
   PictureOptions picture;
@@ -45,7 +47,8 @@ struct Options {
             {"--urdf", urdf},        {"--fbx", fbx},
             {"--abc", abc},          {"--png", pictures.png},
             {"--mp4", pictures.mp4}, {"--webm", pictures.webm},
-            {"--gif", pictures.gif}, {"--fmu", fmu}};
+            {"--gif", pictures.gif}, {"--fmu", fmu},
+            {"--bvh", bvh}};
   }
   /// The files that this verb reads.
   [[nodiscard]] std::vector<NamedFile> inputs_read() const {
@@ -54,7 +57,7 @@ struct Options {
     return out;
   }
   [[nodiscard]] bool wants_take() const {
-    return !glb.empty() || !usda.empty() || !csv.empty() || !mjcf.empty() || !urdf.empty() || !fbx.empty() || !abc.empty();
+    return !glb.empty() || !usda.empty() || !csv.empty() || !bvh.empty() || !mjcf.empty() || !urdf.empty() || !fbx.empty() || !abc.empty();
   }
   [[nodiscard]] bool wants_page() const { return !html.empty() || !native.empty() || !embed.empty() || pictures.any(); }
 };
@@ -184,15 +187,37 @@ Result<publish::Take> run_take(const Options& o, std::span<const std::byte> ugx,
                               });
 }
 
-/// Writes the mechanism of one character, with its motion, as MJCF or URDF. @param kind "mjcf" or "urdf"
-Result<void> write_robot(const publish::Take& take, const Options& o, const char* kind, const std::string& path,
-                         std::vector<Written>& report) {
+/// Returns the character of --character; without this option, the first one with links.
+Result<const publish::TakeCharacter*> chosen_character(const publish::Take& take, const Options& o) {
   const auto chosen = std::ranges::find_if(take.characters, [&](const publish::TakeCharacter& c) {
     return o.character.empty() ? c.links() > 0 : c.id == o.character || c.name == o.character;
   });
-  if (chosen == take.characters.end())
-    return fail(ErrorCode::unknown, "--character " + o.character, "The content has no such character.",
-                "`ugoki info` lists the characters.");
+  if (chosen != take.characters.end()) return &*chosen;
+  return fail(ErrorCode::unknown, "--character " + o.character, "The content has no such character.", "`ugoki info` lists the characters.");
+}
+
+/// Writes the simulated motion of one character as BVH.
+Result<void> write_bvh(const publish::Take& take, const Options& o, std::vector<Written>& report) {
+  const Result<const publish::TakeCharacter*> chosen = chosen_character(take, o);
+  if (!chosen) return fail(chosen.error());
+  const publish::TakeCharacter& c = **chosen;
+  Motion motion;
+  motion.name = c.name;
+  motion.source = take.name;
+  motion.mechanism = c.mechanism->name();
+  motion.rate = take.rate;
+  motion.frames = take.frames;
+  motion.nq = c.mechanism->nq();
+  motion.q = c.q;
+  return write(report, "bvh", o.bvh, formats::write_bvh(motion_edit::to_measured(*c.mechanism, motion), {.metres_per_unit = 0.01}));
+}
+
+/// Writes the mechanism of one character, with its motion, as MJCF or URDF. @param kind "mjcf" or "urdf"
+Result<void> write_robot(const publish::Take& take, const Options& o, const char* kind, const std::string& path,
+                         std::vector<Written>& report) {
+  const Result<const publish::TakeCharacter*> character = chosen_character(take, o);
+  if (!character) return fail(character.error());
+  const publish::TakeCharacter* chosen = *character;
   const fs::path file = path;
   const robot_formats::RobotMotion motion{take.rate, chosen->q};
   const robot_formats::RobotText text = std::string_view(kind) == "mjcf"
@@ -277,6 +302,8 @@ int run_export(Options o) {
         if (Result<void> done = write(report, "usda", o.usda, publish::write_take_usda(*take)); !done) return done;
       if (!o.csv.empty())
         if (Result<void> done = write(report, "csv", o.csv, publish::write_take_csv(*take)); !done) return done;
+      if (!o.bvh.empty())
+        if (Result<void> done = write_bvh(*take, o, report); !done) return done;
       for (const auto& [kind, path] : {std::pair{"fbx", o.fbx}, {"abc", o.abc}}) {
         if (path.empty()) continue;
         if (Result<void> done = export_with_blender(publish::write_take_glb(*take), take->rate, path, o.blender); !done) return done;
@@ -351,6 +378,7 @@ void add_export_verb(Verb app, Action& action) {
   file("--glb", o->glb, "glTF 2.0: skins, animation, camera, materials").group("Other tools");
   file("--usda", o->usda, "USD as text: UsdSkel, materials, camera").group("Other tools");
   file("--csv", o->csv, "Table of all link poses").group("Other tools");
+  file("--bvh", o->bvh, "BVH: motion of one character").group("Other tools");
   file("--fmu", o->fmu, "FMU for co-simulation: Simulink, Modelica tools, FMPy").group("Other tools");
   verb.add_option("--fmi", o->fmi_version, "Version of FMI for --fmu").check(one_of({2, 3})).capture_default_str().group("Other tools");
   file("--fbx", o->fbx, "FBX, *.fbx, written by Blender").group("Other tools").check(Check(has_ending(".fbx"), "*.fbx"));
@@ -360,7 +388,7 @@ void add_export_verb(Verb app, Action& action) {
   verb.add_option("--blender", o->blender, "Blender (default: found on the path)").group("Other tools");
   file("--mjcf", o->mjcf, "MuJoCo: mechanism of one character, its motion as keyframes").group("Other tools");
   file("--urdf", o->urdf, "URDF: mechanism of one character, its motion as a table beside it").group("Other tools");
-  verb.add_option("--character", o->character, "Character for --mjcf and --urdf: id or name (default: the first one)").group("Other tools");
+  verb.add_option("--character", o->character, "Character for --bvh, --mjcf and --urdf: id or name (default: the first one)").group("Other tools");
   verb.add_option("--rate", o->take_rate, "Frames per second of pictures and animations (default: that of the content)")
       .check(range(1.0, 1000.0));
   verb.add_option("--duration", o->duration, "Time at which pictures and animations end, s (default: the end)")

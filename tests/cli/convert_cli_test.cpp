@@ -1,5 +1,7 @@
 // `ugoki convert`: from every kind of file to every format that can store it, and refused conversions.
+#include <algorithm>
 #include <filesystem>
+#include <sstream>
 
 #include "cli_fixture.h"
 #include "ugoki/formats/asf.h"
@@ -197,4 +199,42 @@ TEST_F(ConvertCliTest, RealFilesConvert) {
 }
 
 }  // namespace
+// The joints of the BVH file are where the table of the same export has the links.
+TEST_F(ConvertCliTest, SimulatedMotionIsWrittenAsBvh) {
+  does({"new", path("park.ugoki")});
+  json({"export", path("park.ugoki"), "--bvh", path("dog.bvh"), "--csv", path("park.csv"), "--character", "dog", "--duration", "0.2", "--rate",
+        "50", "--json"});
+  const auto motion = formats::read_bvh(read(path("dog.bvh")), "dog.bvh", {.metres_per_unit = 0.01});
+  ASSERT_TRUE(motion) << motion.error().text();
+  EXPECT_EQ(motion->frames, 11);
+  EXPECT_NEAR(motion->rate, 50, 1e-3);
+  std::istringstream lines(read(path("park.csv")));
+  std::string line;
+  const auto cells_of = [](const std::string& text) {
+    std::vector<std::string> out;
+    std::istringstream cells(text);
+    for (std::string cell; std::getline(cells, cell, ',');) out.push_back(cell);
+    return out;
+  };
+  std::getline(lines, line);
+  const std::vector<std::string> columns = cells_of(line);
+  int compared = 0;
+  for (int f = 0; f < motion->frames; ++f) {
+    ASSERT_TRUE(std::getline(lines, line));
+    const std::vector<std::string> row = cells_of(line);
+    std::vector<Pose> X(motion->skeleton.joints.size());
+    motion->calc_joint_poses(f, X);
+    for (std::size_t j = 0; j < X.size(); ++j) {
+      const auto column = std::ranges::find(columns, "dog/" + motion->skeleton.joints[j].name + " x");
+      if (column == columns.end()) continue;
+      const auto at = static_cast<std::size_t>(column - columns.begin());
+      const Vec3 link = {std::stod(row[at]), std::stod(row[at + 1]), std::stod(row[at + 2])};
+      EXPECT_LT(norm(X[j].p - link), 1e-6) << f << " " << motion->skeleton.joints[j].name;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 11 * 15);
+  fails({"export", path("park.ugoki"), "--bvh", path("cat.bvh"), "--character", "cat"}, "no such character");
+}
+
 }  // namespace ugoki::cli
