@@ -235,6 +235,54 @@ TEST(Player, RecordedDeviceStatesReplayToTheSameBits) {
   EXPECT_TRUE(b.devices().has({}));
 }
 
+TEST(Player, TapBetweenTwoStepsIsRead) {
+  const std::vector<std::byte> bytes = content_with_a_key();
+  Player a = open(bytes);
+  circuit::DeviceState down;
+  down.keys = {"KeyW"};
+  run(a, 5);
+  for (int tap = 1; tap <= 3; ++tap) {
+    a.hold(down);
+    a.hold({});
+    run(a, 1);
+    EXPECT_EQ(presses(a), tap);
+    EXPECT_TRUE(a.devices().has({})) << "the key is released before the next step";
+    run(a, 3);
+  }
+  a.hold(down);
+  run(a, 4);
+  a.hold({});
+  a.hold(down);
+  a.hold({});
+  EXPECT_TRUE(a.devices().has({})) << "a step has read this press";
+  run(a, 4);
+  EXPECT_EQ(presses(a), 4);
+  Player b = open(bytes);
+  b.schedule(a.inputs());
+  run(b, 25);
+  EXPECT_EQ(presses(b), 4);
+  std::vector<std::byte> of_a, of_b;
+  a.save(of_a);
+  b.save(of_b);
+  EXPECT_EQ(of_a, of_b);
+}
+
+TEST(Devices, PressesAreKeptForKeysAndButtons) {
+  circuit::DeviceState before, between, state;
+  before.keys = {"KeyA"};
+  between.keys = {"KeyA", "KeyC"};
+  between.mouse.left = true;
+  between.gamepads[1].buttons[3] = 0.8;
+  between.gamepads[1].buttons[4] = 0.3;  // not pressed half-way
+  state.keys = {"KeyB"};
+  EXPECT_TRUE(circuit::keep_presses(before, between, state));
+  EXPECT_EQ(state.keys, (std::vector<std::string>{"KeyB", "KeyC"}));
+  EXPECT_TRUE(state.mouse.left);
+  EXPECT_EQ(state.gamepads[1].buttons[3], 0.8);
+  EXPECT_EQ(state.gamepads[1].buttons[4], 0);
+  EXPECT_FALSE(circuit::keep_presses(between, between, state));
+}
+
 TEST(Player, RestoreKeepsTheDeviceStateFromBeforeTheSave) {
   Player a = open(content_with_a_key());
   circuit::DeviceState down;

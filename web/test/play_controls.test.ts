@@ -39,6 +39,20 @@ describe('play controls', () => {
     expect(sent.slice(1).map((s) => s.message)).toEqual([{ keyboard: ['KeyW'] }, { keyboard: [] }]);
   });
 
+  it('sends the press and the release of a tap that is shorter than the time between two messages', () => {
+    const { controls, sent, pass } = make();
+    controls.set_devices({ keyboard: ['KeyW', 'KeyS'], mouse: false, gamepads: [] });
+    controls.enter();
+    pass(100);
+    controls.key('KeyS', true);
+    pass(2);
+    controls.key('KeyW', true);
+    pass(2);
+    controls.key('KeyW', false);
+    pass(100);
+    expect(sent.slice(1).map((s) => s.message)).toEqual([{ keyboard: ['KeyS'] }, { keyboard: ['KeyW', 'KeyS'] }, { keyboard: ['KeyS'] }]);
+  });
+
   it('sends the newest state at most sixty times a second', () => {
     const { controls, sent, pass } = make();
     controls.set_devices({ keyboard: [], mouse: true, gamepads: [] });

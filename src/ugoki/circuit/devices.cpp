@@ -199,6 +199,22 @@ DeviceUse DeviceFeed::use() const {
   return out;
 }
 
+bool keep_presses(const DeviceState& before, const DeviceState& between, DeviceState& state) {
+  const DeviceState wanted = state;
+  for (const std::string& key : between.keys)
+    if (!std::ranges::binary_search(before.keys, key) && !std::ranges::binary_search(state.keys, key))
+      state.keys.insert(std::ranges::lower_bound(state.keys, key), key);
+  for (bool MouseState::* const button : {&MouseState::left, &MouseState::middle, &MouseState::right})
+    if (between.mouse.*button && !(before.mouse.*button)) state.mouse.*button = true;
+  for (std::size_t pad = 0; pad < max_gamepads; ++pad)
+    for (std::size_t b = 0; b < state.gamepads[pad].buttons.size(); ++b) {
+      const double pressed = between.gamepads[pad].buttons[b];
+      double& now = state.gamepads[pad].buttons[b];
+      if (down(pressed) > down(before.gamepads[pad].buttons[b]) && down(now) == 0) now = pressed;
+    }
+  return !(state == wanted);
+}
+
 bool DeviceFeed::has(const DeviceState& state) const {
   return std::ranges::all_of(slots_, [&](const Slot& s) { return *s.number == s.value(state); });
 }

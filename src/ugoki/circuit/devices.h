@@ -48,6 +48,9 @@ struct DeviceChange {
 /// Reads the fields `keyboard`, `mouse` and `gamepads` of a JSON object and ignores its other fields.
 [[nodiscard]] Result<DeviceChange> read_device_change(std::string_view text, std::string_view location = "input");
 void apply(const DeviceChange& change, DeviceState& state);
+/// Presses in `state` again the keys and buttons that are released in `before` and in `state`, but pressed in `between`.
+/// @return false if there are none
+bool keep_presses(const DeviceState& before, const DeviceState& between, DeviceState& state);
 
 /// The devices that a circuit reads.
 struct DeviceUse {

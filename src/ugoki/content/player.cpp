@@ -39,6 +39,9 @@ struct Player::Machine {
   std::vector<PlayerInput> scheduled;  // sorted by step
   std::size_t next_scheduled = 0;      // index into `scheduled`
   bool displayed = false;              // true: the display LSIs have run since the last step
+  circuit::DeviceState at_step;              // the last hold() that the last step read
+  circuit::DeviceState given;                // the last hold()
+  std::optional<circuit::DeviceState> late;  // a hold() that acts one step later, because it ends a press that no step has read yet
 
   [[nodiscard]] bool is_link(int character, int link) const {
     return character >= 0 && character < static_cast<int>(world->characters().size()) && link >= 0 &&
@@ -259,6 +262,11 @@ Result<void> Player::step() {
                                      : "Check its inputs, or correct the LSI and rebuild it.");
   }
   lsi::set_count(m.live.data(), 0);
+  if (!(m.given == m.at_step)) m.at_step = m.given;
+  if (m.late) {
+    const circuit::DeviceState released = *m.late;
+    hold(released);
+  }
   return {};
 }
 
@@ -312,6 +320,8 @@ void Player::reset() {
   machine_->inputs.clear();
   machine_->next_scheduled = 0;
   machine_->displayed = false;
+  machine_->at_step = machine_->given = {};
+  machine_->late.reset();
 }
 
 void Player::push(int character, int link, const Vec3& force, double duration) {
@@ -362,7 +372,15 @@ void Player::throw_from(int character, const Vec3& from, const Vec3& velocity, c
 }
 
 void Player::hold(const circuit::DeviceState& state) {
-  if (!machine_->devices.has(state)) machine_->add_input(std::make_shared<const circuit::DeviceState>(state));
+  Machine& m = *machine_;
+  circuit::DeviceState now = state;
+  // A tap can be shorter than a step, or than a picture during which no step runs. At least one step reads the press.
+  if (circuit::keep_presses(m.at_step, m.given, now))
+    m.late = state;
+  else
+    m.late.reset();
+  if (!m.devices.has(now)) m.add_input(std::make_shared<const circuit::DeviceState>(now));
+  m.given = std::move(now);
 }
 
 const circuit::DeviceFeed& Player::devices() const { return machine_->devices; }
@@ -405,6 +423,8 @@ Result<void> Player::restore(std::span<const std::byte> bytes) {
   for (const EventRecord& e : lsi::records<EventRecord>(m.live.data())) m.inputs.push_back({now, e, nullptr});
   m.next_scheduled = 0;
   m.displayed = false;
+  m.at_step = m.given;
+  m.late.reset();
   return {};
 }
 

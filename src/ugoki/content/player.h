@@ -124,7 +124,8 @@ class Player {
   void release();
   /// Sets the root's position [m], velocity [m/s] and spin [rad/s] in the world. Only for characters with a floating root.
   void throw_from(int character, const Vec3& from, const Vec3& velocity, const Vec3& spin);
-  /// Sets the state of keyboard, mouse and gamepads. Recorded only if a key, button or axis changes that the circuit reads.
+  /// Sets the state of keyboard, mouse and gamepads. Recorded only if a key, button or axis changes that the circuit reads. A key or button
+  /// that is pressed and released between two steps is released one step later, so that a step reads every press.
   void hold(const circuit::DeviceState& state);
   /// Returns the keys, buttons and axes that the circuit reads. change_library() updates them.
   [[nodiscard]] const circuit::DeviceFeed& devices() const;

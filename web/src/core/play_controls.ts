@@ -56,6 +56,8 @@ export interface Clock {
 export class PlayControls {
   readonly store: StoreApi<{ on: boolean; devices: Devices; held: string[] }> = createStore(() => ({ on: false, devices: no_devices, held: [] as string[] }));
   private keys = new Set<string>();
+  /** Pressed since the last message. */
+  private readonly unsent = new Set<string>();
   private mouse: MouseState = { x: 0.5, y: 0.5, left: false, middle: false, right: false, wheel: 0 };
   private pads: PadState[] = [];
   /** State last sent to the service, as JSON text, by device. */
@@ -117,8 +119,14 @@ export class PlayControls {
   /** @param code KeyboardEvent.code  @param down true if pressed */
   key(code: string, down: boolean): void {
     if (!/^[A-Za-z0-9]{1,32}$/.test(code) || this.keys.has(code) === down) return;
-    if (!down) this.keys.delete(code);
-    else if (this.keys.size < max_keys) this.keys.add(code);
+    if (down) {
+      if (this.keys.size >= max_keys) return;
+      this.keys.add(code);
+      this.unsent.add(code);
+    } else {
+      if (this.unsent.has(code)) this.flush(); // a tap shorter than the time between two messages
+      this.keys.delete(code);
+    }
     this.changed();
   }
 
@@ -160,6 +168,7 @@ export class PlayControls {
 
   /** Sends the state of the devices that the content reads and whose state changed. */
   private flush(): void {
+    this.unsent.clear();
     if (!this.on) return;
     const { keyboard, mouse, gamepads } = this.devices;
     const message: InputMessage = {};
