@@ -9,14 +9,14 @@
 
 #include "ugoki/contact/augmented_law.h"
 #include "ugoki/contact/contact_law.h"
-#include "ugoki/contact/dense_kernels.h"
 #include "ugoki/contact/envelope_matrix.h"
+#include "ugoki/contact/solver_kernels.h"
 #include "ugoki/contact/system_order.h"
 
 namespace ugoki::contact {
 namespace {
 
-TEST(DenseKernels, EveryWidthHasTheSameBitsAndSolvesTheEquations) {
+TEST(SolverKernels, EveryWidthHasTheSameBitsAndSolvesTheEquations) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> any(-1, 1);
   for (const int n : {1, 3, 10, 31}) {
@@ -30,9 +30,9 @@ TEST(DenseKernels, EveryWidthHasTheSameBitsAndSolvesTheEquations) {
     }
     std::vector<double> last_A, last_u;
     for (const bool wide : {false, true}) {
-      if (!use_dense_kernels(wide)) continue;
+      if (!use_solver_kernels(wide)) continue;
       std::vector<double> u(size), inverse(size);
-      dense_kernels().add_product(B.data(), stride, n, p.data(), u.data());
+      solver_kernels().add_product(B.data(), stride, n, p.data(), u.data());
       for (std::size_t i = 0; i < size; ++i) {
         double exact = 0;
         for (std::size_t j = 0; j < size; ++j) {
@@ -42,7 +42,7 @@ TEST(DenseKernels, EveryWidthHasTheSameBitsAndSolvesTheEquations) {
         EXPECT_NEAR(u[i], exact, 1e-12 * n);
         A[i * static_cast<std::size_t>(width) + size] = u[i];  // the equations B x = B p have the solution p
       }
-      dense_kernels().eliminate(A.data(), n, width, inverse.data());
+      solver_kernels().eliminate(A.data(), n, width, inverse.data());
       std::vector<double> x(size);
       for (std::size_t k = size; k-- > 0;) {
         double sum = A[k * static_cast<std::size_t>(width) + size];
@@ -99,6 +99,36 @@ TEST(EnvelopeMatrix, SolutionSatisfiesTheEquations) {
       EXPECT_NEAR(sum, b[i], 1e-12);
     }
   }
+}
+
+TEST(EnvelopeMatrix, EveryWidthHasTheSameBits) {
+  constexpr int n = 37;
+  std::vector<std::vector<double>> solutions;
+  for (const bool wide : {false, true}) {
+    if (!use_solver_kernels(wide)) continue;
+    std::mt19937_64 random(11);
+    std::uniform_real_distribution<double> any(-1, 1);
+    EnvelopeMatrix A;
+    A.begin(n);
+    for (int row = 0; row < n; ++row) A.include(row, std::max(0, row - static_cast<int>(random() % 20)));
+    A.finish();
+    A.allocate();
+    A.set_identity();
+    const int rows[] = {3, 4, 5, 6, 7, 8, 19, 20, 21}, run[] = {6, 6, 6, 6, 6, 6, 9, 9, 9};
+    std::vector<double> Z(27), b(n), x(n);
+    for (std::vector<double>* values : {&Z, &b})
+      for (double& value : *values) value = any(random);
+    for (int row = 19; row < 22; ++row) A.include(row, 3);
+    A.finish();
+    A.allocate();
+    A.set_identity();
+    const double G[9] = {2, 0.5, 0.1, 0.5, 3, 0.2, 0.1, 0.2, 1};
+    solver_kernels().add_to_envelope({3, 9, Z.data(), rows, run}, G, A.arguments());
+    A.solve(b, x);
+    solutions.push_back(x);
+  }
+  use_solver_kernels(true);
+  for (const std::vector<double>& x : solutions) EXPECT_EQ(x, solutions[0]);
 }
 
 TEST(SystemOrder, ChainsGetABandOfWidthOne) {

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "ugoki/contact/solver_kernels.h"
 #include "ugoki/contact/velocity_solver.h"
 
 namespace ugoki::contact {
@@ -128,6 +129,17 @@ TEST(VelocitySolver, DenseIslandRepeatsItsBits) {
   a.solver.solve({});
   b.solver.solve({});
   EXPECT_TRUE(std::ranges::equal(a.solver.impulses(), b.solver.impulses()));
+}
+
+TEST(VelocitySolver, SweepsHaveTheSameBitsForEveryWidth) {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    RandomIsland plain(seed), wide(seed);
+    use_solver_kernels(false);
+    plain.solver.solve({.iterations = 50, .max_dense_rows = 0});
+    if (!use_solver_kernels(true)) GTEST_SKIP() << "the processor has no AVX2";
+    wide.solver.solve({.iterations = 50, .max_dense_rows = 0});
+    EXPECT_TRUE(std::ranges::equal(plain.solver.impulses(), wide.solver.impulses())) << "seed " << seed;
+  }
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include "contents.h"
 #include "ugoki/collision/bubble_kernel.h"
 #include "ugoki/collision/gilbert_width.h"
-#include "ugoki/contact/dense_kernels.h"
+#include "ugoki/contact/solver_kernels.h"
 #include "ugoki/content/player.h"
 #include "ugoki/dynamics/kernels.h"
 #include "ugoki/plugin/thread_pool.h"
@@ -64,7 +64,7 @@ bool use_width(Width width) {
   const bool dynamics = dynamics::use_simd(static_cast<dynamics::SimdWidth>(width));
   const bool bubble = collision::use_bubble_width(static_cast<collision::BubbleWidth>(width));
   const bool gilbert = collision::use_gilbert_width(static_cast<collision::GilbertWidth>(width));
-  const bool dense = contact::use_dense_kernels(width != Width::plain);
+  const bool dense = contact::use_solver_kernels(width != Width::plain);
   return dynamics && bubble && gilbert && dense;
 }
 

@@ -5,7 +5,7 @@
 
 #include "ugoki/contact/contact_law.h"
 #include "ugoki/contact/dense_island.h"
-#include "ugoki/contact/dense_kernels.h"
+#include "ugoki/contact/solver_kernels.h"
 
 namespace ugoki::contact {
 namespace {
@@ -185,7 +185,7 @@ double DenseIsland::residual(const IslandRows& island) {
 void DenseIsland::make_equations() {
   const std::size_t n = unknowns_.size(), m = sliding_.size(), width = n + 2 * m + 1;
   std::ranges::copy(target_, fixed_u_.begin());
-  dense_kernels().add_product(B_.data(), stride_, n_, fixed_.data(), fixed_u_.data());
+  solver_kernels().add_product(B_.data(), stride_, n_, fixed_.data(), fixed_u_.data());
   const auto read = [](const Unknown& x, const double* u) { return x.tangent ? x.t1 * u[x.row + 1] + x.t2 * u[x.row + 2] : u[x.row]; };
   A_.resize(n * width);
   S_.resize(m * (m + 1));
@@ -222,7 +222,7 @@ bool DenseIsland::solve_equations() {
   const std::size_t n = unknowns_.size(), m = sliding_.size(), width = n + 2 * m + 1;
   z_.resize(n + m);
   inverse_.resize(n);
-  dense_kernels().eliminate(A_.data(), static_cast<int>(n), static_cast<int>(width), inverse_.data());
+  solver_kernels().eliminate(A_.data(), static_cast<int>(n), static_cast<int>(width), inverse_.data());
   for (std::size_t k = 0; k < n && m > 0; ++k) {
     const double* const row = A_.data() + k * width;
     for (std::size_t i = 0; i < m; ++i) {
@@ -260,7 +260,7 @@ bool DenseIsland::find_step(const IslandRows& island) {
   }
   std::ranges::fill(step_u_, 0.0);
   for (std::size_t r = 0; r < step_.size(); ++r) step_[r] -= p_[r];
-  dense_kernels().add_product(B_.data(), stride_, n_, step_.data(), step_u_.data());
+  solver_kernels().add_product(B_.data(), stride_, n_, step_.data(), step_u_.data());
   return std::ranges::all_of(step_, is_finite);
 }
 

@@ -1,7 +1,5 @@
 #include "ugoki/contact/envelope_matrix.h"
 
-#include <cmath>
-
 namespace ugoki::contact {
 
 void EnvelopeMatrix::reserve(std::size_t n, std::size_t entries) {
@@ -34,32 +32,7 @@ void EnvelopeMatrix::set_identity() {
 }
 
 void EnvelopeMatrix::solve(const std::vector<double>& b, std::vector<double>& x) {
-  const std::size_t n = first_.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    double* const row = values_.data() + start_[i];
-    const int low = first_[i], last = static_cast<int>(i);
-    for (int j = low; j <= last; ++j) {
-      const double* const other = values_.data() + start_[static_cast<std::size_t>(j)];
-      const int other_low = first_[static_cast<std::size_t>(j)];
-      double even = row[j - low], odd = 0;
-      int k = std::max(low, other_low);
-      for (; k + 1 < j; k += 2) {
-        even -= row[k - low] * other[k - other_low];
-        odd -= row[k + 1 - low] * other[k + 1 - other_low];
-      }
-      if (k < j) even -= row[k - low] * other[k - other_low];
-      row[j - low] = j < last ? (even + odd) * other[j - other_low] : 1 / std::sqrt(even + odd);
-    }
-    double sum = b[i];
-    for (int k = low; k < last; ++k) sum -= row[k - low] * x[static_cast<std::size_t>(k)];
-    x[i] = sum * row[last - low];
-  }
-  for (std::size_t i = n; i-- > 0;) {
-    const double* const row = values_.data() + start_[i];
-    const int low = first_[i], last = static_cast<int>(i);
-    x[i] *= row[last - low];
-    for (int k = low; k < last; ++k) x[static_cast<std::size_t>(k)] -= row[k - low] * x[i];
-  }
+  solver_kernels().solve_envelope(arguments(), b.data(), x.data());
 }
 
 }  // namespace ugoki::contact

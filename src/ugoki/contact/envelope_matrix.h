@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "ugoki/contact/solver_kernels.h"
+
 namespace ugoki::contact {
 
 class EnvelopeMatrix {
@@ -33,6 +35,10 @@ class EnvelopeMatrix {
     return values_.data() + start_[i] - first_[i];
   }
   void set_identity();
+  /// The matrix for solver_kernels(); valid until the next call of begin().
+  [[nodiscard]] EnvelopeArguments arguments() {
+    return {static_cast<int>(first_.size()), first_.data(), start_.data(), values_.data()};
+  }
 
   /// Solves A x = b and replaces the matrix by its Cholesky factor with inverted diagonal. A must be positive definite.
   /// @param b [n] @param x [n, out]

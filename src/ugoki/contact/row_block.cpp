@@ -29,7 +29,11 @@ void finish_block(RowBlock& b, double softness) {
     b.compliance = soft / (1 + soft);
   }
   b.size = std::sqrt(b.rows == 3 ? std::max({b.B[0], b.B[1], b.B[2]}) : b.B[0]);
-  if (b.rows == 3) invert(b.B, b.inverse);
+  b.inverse_normal = 1 / b.B[0];
+  if (b.rows == 1) return;
+  invert(b.B, b.inverse);
+  const double mean = 0.5 * (b.B[1] + b.B[2]), half = 0.5 * (b.B[1] - b.B[2]);
+  b.friction_step = 1 / (b.kind == RowKind::contact ? mean + std::sqrt(half * half + b.B[5] * b.B[5]) : b.size * b.size);
 }
 
 }  // namespace ugoki::contact

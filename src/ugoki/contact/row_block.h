@@ -39,13 +39,15 @@ struct RowBlock {
   std::uint64_t key;      ///< identifies the block from step to step, for warm starts
   double B[6];            ///< inverse inertia Y Y^T, entries 00 11 22 01 02 12; entry 00 of a contact includes the compliance
   double inverse[6];      ///< inverse of B, same entries (blocks of 3 rows)
+  double inverse_normal;  ///< 1 / B[0]
+  double friction_step;   ///< contact: 1 / (maximum eigenvalue of B of the two tangents); roll: 1 / (maximum diagonal entry of B)
   double size;            ///< square root of the maximum diagonal entry of B
   double lever;           ///< roll: radius [m] that converts angular velocity to surface velocity; other kinds: 1
   double solved_motion;   ///< sum of VelocitySolver::motion_ over the block's systems when the block was last solved
   double change;          ///< m/s: change of the block's velocity in the last sweep
 };
 
-/// Completes a block whose B is that of the rows alone: adds the compliance of a contact, and sets size and inverse.
+/// Completes a block whose B is that of the rows alone: adds the compliance of a contact, and sets size and the inverse values.
 /// @param softness minimum of RowBlock::softness for contacts
 void finish_block(RowBlock& b, double softness);
 

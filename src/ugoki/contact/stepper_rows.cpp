@@ -194,10 +194,14 @@ void Stepper::add_rolling(const collision::ContactPoint& c) {
     if (at < 0) continue;
     const auto s = static_cast<std::size_t>(at);
     const dynamics::Workspace& ws = workspaces_[s];
-    const int last = ws.link_chain[static_cast<std::size_t>(link)];
+    int last = ws.link_chain[static_cast<std::size_t>(link)];
     if (last < 0) continue;
     const double sign = side == 0 ? 1.0 : -1.0;
     spin += free_velocity(s, last).w * sign;
+    // A moment does not act on the translations at the end of a chain: their entries would be zero.
+    const std::span<const int> parents = mechanisms_[s]->dof_parents();
+    while (parents[static_cast<std::size_t>(last)] >= 0 && ws.S[static_cast<std::size_t>(last)].w == Vec3{})
+      last = parents[static_cast<std::size_t>(last)];
     const Vec6 moments[3] = {{{sign, 0, 0}, {}}, {{0, sign, 0}, {}}, {{0, 0, sign}, {}}};
     scratch_[s].factor.whiten_wrenches(last, moments, add_side(s, last));
     if (scratch_[s].loops) spread_over_loops(s, last);

@@ -13,6 +13,7 @@
 #include <limits>
 
 #include "ugoki/contact/augmented_law.h"
+#include "ugoki/contact/solver_kernels.h"
 #include "ugoki/contact/velocity_solver.h"
 
 namespace ugoki::contact {
@@ -121,26 +122,6 @@ void VelocitySolver::fix_law(const Island& island) {
       shift_[static_cast<std::size_t>(b.row)] = sliding_shift(b, p_.data() + b.row, u_.data() + 3 * static_cast<std::size_t>(i));
 }
 
-/// Adds Y^T G Y of one block to the lower triangle of H (symbols: top of this file).
-void VelocitySolver::add_to_matrix(const SortedRows& s, int rows, const double* G) {
-  const int* const row = z_row_.data() + s.first;
-  const int* const run = z_run_.data() + s.first;
-  const double *const Z0 = z_.data() + s.values, *const Z1 = Z0 + s.length, *const Z2 = Z1 + s.length;
-  for (int e = 0; e < s.length; ++e) {
-    double* const H = H_.row_data(row[e]);
-    const double z0 = Z0[e], z1 = rows == 3 ? Z1[e] : 0, z2 = rows == 3 ? Z2[e] : 0;
-    const double g0 = z0 * G[0] + z1 * G[3] + z2 * G[6], g1 = z0 * G[1] + z1 * G[4] + z2 * G[7], g2 = z0 * G[2] + z1 * G[5] + z2 * G[8];
-    for (int f = 0; f <= e;) {
-      const int end = std::min(run[f], e + 1);
-      double* const to = H + row[f] - f;
-      if (rows == 3)
-        for (; f < end; ++f) to[f] += g0 * Z0[f] + g1 * Z1[f] + g2 * Z2[f];
-      else
-        for (; f < end; ++f) to[f] += g0 * Z0[f];
-    }
-  }
-}
-
 /// Calculates the law's impulses p and the matrices G of all blocks at the velocities u_ - length du_. @return the slope and curvature of
 /// the merit along the step, without the part of |w|^2 / 2
 std::pair<double, double> VelocitySolver::apply_laws(const Island& island, double length) {
@@ -183,10 +164,13 @@ void VelocitySolver::calc_residual(const Island& island) {
 /// Calculates the Newton matrix H = 1 + sum Y^T G Y, with G from apply_laws().
 void VelocitySolver::assemble_matrix(const Island& island) {
   H_.set_identity();
+  const EnvelopeArguments H = H_.arguments();
   const double* G = G_.data();
   for (int i = 0; i < island.blocks; ++i, G += 9) {
     const int rows = block(island, i).rows;
-    if (G[0] + (rows == 3 ? G[4] + G[8] : 0) > 0) add_to_matrix(sorted_[static_cast<std::size_t>(i)], rows, G);
+    if (!(G[0] + (rows == 3 ? G[4] + G[8] : 0) > 0)) continue;
+    const SortedRows& s = sorted_[static_cast<std::size_t>(i)];
+    solver_kernels().add_to_envelope({rows, s.length, z_.data() + s.values, z_row_.data() + s.first, z_run_.data() + s.first}, G, H);
   }
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ugoki/contact/contact_law.h"
+#include "ugoki/contact/solver_kernels.h"
 
 namespace ugoki::contact {
 void VelocitySolver::set_systems(std::span<const int> first) {
@@ -134,47 +134,12 @@ void VelocitySolver::apply(const RowBlock& b, const double* p) {
   }
 }
 
-/// Solves one block with all other impulses fixed. @return m/s: maximum change of the block's velocity
-double VelocitySolver::relax(RowBlock& b) {
-  double u[3], next[3], change[3];
-  velocities(b, u);
-  double* p = p_.data() + b.row;
-  double normal = 0;
-  if (b.kind == RowKind::roll) {
-    const RowBlock& contact = blocks_[static_cast<std::size_t>(b.contact_block)];
-    normal = p_[static_cast<std::size_t>(contact.row)] + contact.impact_impulse;
-  }
-  next_impulse(b, u, p, normal, next);
-  double square = 0;
-  for (int r = 0; r < b.rows; ++r) {
-    change[r] = next[r] - p[r];
-    p[r] = next[r];
-    square += change[r] * change[r];
-  }
-  const double maximum = velocity_change(b, change);
-  if (square > 0) {
-    apply(b, change);
-    const double moved = b.size * std::sqrt(square);
-    for (int s = 0; s < b.segments; ++s) motion_of(b, s) += moved;
-  }
-  return maximum * b.lever;
-}
-
 /// Solves every block whose velocity may have changed by more than `minimum` [m/s] since the block was last solved.
 /// @return m/s: maximum change of a velocity
 double VelocitySolver::sweep(const Island& island, bool forward, double minimum) {
-  double change = 0;
-  for (int i = 0; i < island.blocks; ++i) {
-    const int at = island.first_block + (forward ? i : island.blocks - 1 - i);
-    RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(at)])];
-    const double moved = b.segments == 2 ? motion_of(b, 0) + motion_of(b, 1) : motion_of(b, 0);
-    b.change = 0;
-    if ((moved - b.solved_motion) * b.size * b.lever <= minimum) continue;
-    b.solved_motion = moved;
-    b.change = relax(b);
-    change = std::max(change, b.change);
-  }
-  return change;
+  return solver_kernels().sweep({blocks_.data(), order_.data() + island.first_block, island.blocks, segments_.data(), rows_.data(),
+                                 target_.data(), p_.data(), w_.data(), motion_.data()},
+                                forward, minimum);
 }
 
 void VelocitySolver::find_islands() {

@@ -122,10 +122,6 @@ class VelocitySolver {
   }
   void velocities(const RowBlock& b, double* u) const;
   void apply(const RowBlock& b, const double* p);
-  double relax(RowBlock& b);
-  [[nodiscard]] double& motion_of(const RowBlock& b, int segment) {
-    return motion_[static_cast<std::size_t>(segments_[static_cast<std::size_t>(b.first_segment + segment)].system)];
-  }
   double sweep(const Island& island, bool forward, double minimum);
   void begin_blocks(const SolverOptions& options, std::size_t first);
   void find_islands();
@@ -146,7 +142,6 @@ class VelocitySolver {
   std::pair<double, double> apply_laws(const Island& island, double length);
   void calc_residual(const Island& island);
   void assemble_matrix(const Island& island);
-  void add_to_matrix(const SortedRows& s, int rows, const double* G);
   void recompute_w(const Island& island);
 
   // Threads, in velocity_threads.cpp

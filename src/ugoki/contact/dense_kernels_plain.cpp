@@ -1,2 +1,0 @@
-#define UGOKI_WIDTH dense_plain
-#include "ugoki/contact/dense_kernels_width.h"
