@@ -131,6 +131,53 @@ TEST(EnvelopeMatrix, EveryWidthHasTheSameBits) {
   for (const std::vector<double>& x : solutions) EXPECT_EQ(x, solutions[0]);
 }
 
+TEST(EnvelopeMatrix, UnsymmetricSolutionSatisfiesTheEquations) {
+  for (const int n : {1, 6, 31}) {
+    const auto size = static_cast<std::size_t>(n);
+    std::vector<std::vector<double>> solutions;
+    for (const bool wide : {false, true}) {
+      if (!use_solver_kernels(wide)) continue;
+      std::mt19937_64 random(17);
+      std::uniform_real_distribution<double> any(-1, 1);
+      EnvelopeMatrix A;
+      A.begin(n);
+      for (int k = 0; k < n; ++k) A.include(n - 1, k);
+      for (int k = 0; k < n; ++k) A.include(k, k - k % 3);
+      A.finish();
+      A.allocate();
+      A.set_identity();
+      A.set_upper_identity();
+      // A = 1 + sum Z^T G Z of blocks whose rows Z have three consecutive entries and one in the last row
+      std::vector<std::vector<double>> dense(size, std::vector<double>(size, 0.0));
+      for (std::size_t i = 0; i < size; ++i) dense[i][i] = 1;
+      for (int first = 0; first + 4 <= n; first += 3) {
+        const int row[] = {first, first + 1, first + 2, n - 1}, run[] = {3, 3, 3, 4};
+        double Z[12], G[9];
+        for (double& z : Z) z = any(random);
+        for (int k = 0; k < 9; ++k) G[k] = k % 4 == 0 ? 4 : any(random);
+        solver_kernels().add_to_envelope({3, 4, Z, row, run}, G, A.arguments());
+        solver_kernels().add_to_upper_envelope({3, 4, Z, row, run}, G, A.arguments());
+        for (int e = 0; e < 4; ++e)
+          for (int f = 0; f < 4; ++f)
+            for (int r = 0; r < 3; ++r)
+              for (int c = 0; c < 3; ++c)
+                dense[static_cast<std::size_t>(row[e])][static_cast<std::size_t>(row[f])] += Z[4 * r + e] * G[3 * r + c] * Z[4 * c + f];
+      }
+      std::vector<double> b(size), x(size);
+      for (double& value : b) value = any(random);
+      A.solve_unsymmetric(b, x);
+      for (std::size_t i = 0; i < size; ++i) {
+        double sum = 0;
+        for (std::size_t k = 0; k < size; ++k) sum += dense[i][k] * x[k];
+        EXPECT_NEAR(sum, b[i], 1e-11);
+      }
+      solutions.push_back(x);
+    }
+    use_solver_kernels(true);
+    for (const std::vector<double>& x : solutions) EXPECT_EQ(x, solutions[0]);
+  }
+}
+
 TEST(SystemOrder, ChainsGetABandOfWidthOne) {
   SystemOrder order;
   order.reserve(20, 20);

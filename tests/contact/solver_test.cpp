@@ -74,14 +74,21 @@ struct RandomIsland {
     }
   }
 
-  /// Maximum violation of the laws of contact: natural residual p - projection(p - u) of the impulses p and velocities u.
-  [[nodiscard]] double violation(double softness) const {
+  /// [rows] velocities at the solver's impulses.
+  [[nodiscard]] std::vector<double> velocities() const {
     const std::span<const double> p = solver.impulses();
     std::vector<double> w(dofs, 0.0), u = target;
     for (std::size_t r = 0; r < rows.size(); ++r)
       for (int k = 0; k < dofs; ++k) w[static_cast<std::size_t>(k)] += rows[r][static_cast<std::size_t>(k)] * p[r];
     for (std::size_t r = 0; r < rows.size(); ++r)
       for (int k = 0; k < dofs; ++k) u[r] += rows[r][static_cast<std::size_t>(k)] * w[static_cast<std::size_t>(k)];
+    return u;
+  }
+
+  /// Maximum violation of the laws of contact: natural residual p - projection(p - u) of the impulses p and velocities u.
+  [[nodiscard]] double violation(double softness) const {
+    const std::span<const double> p = solver.impulses();
+    const std::vector<double> u = velocities();
     double worst = 0;
     for (const RowBlock& b : solver.blocks()) {
       const auto at = static_cast<std::size_t>(b.row);
@@ -108,20 +115,47 @@ struct RandomIsland {
 };
 
 TEST(VelocitySolver, DenseIslandsSatisfyTheLawsAsSweepsDo) {
-  int handed_over = 0, newton_steps = 0;
+  int handed_over = 0, newton_steps = 0, sparse_steps = 0, compared = 0;
   for (unsigned seed = 0; seed < 400; ++seed) {
     RandomIsland dense(seed), swept(seed);
     const SolverReport report = dense.solver.solve({.iterations = 5000, .tolerance = 1e-11});
     handed_over += report.handed_over;
     newton_steps += report.newton_steps;
     EXPECT_LT(dense.violation(1e-4), 1e-8) << "seed " << seed;
-    swept.solver.solve({.iterations = 5000, .tolerance = 1e-11, .softness = 1e-4, .max_dense_rows = 0});
-    if (swept.violation(1e-4) > 1e-9) continue;  // the sweeps have not converged: no comparison
+    sparse_steps +=  // by sweeps and semi-smooth Newton steps on the velocities
+        swept.solver.solve({.iterations = 5000, .tolerance = 1e-11, .softness = 1e-4, .max_dense_rows = 0}).newton_steps;
+    if (swept.violation(1e-4) > 1e-9) continue;  // no convergence: no comparison
+    ++compared;
     for (std::size_t r = 0; r < dense.target.size(); ++r)
       EXPECT_NEAR(dense.solver.impulses()[r], swept.solver.impulses()[r], 1e-7) << "seed " << seed << ", row " << r;
   }
   EXPECT_LT(handed_over, 40) << "of 400";
   EXPECT_GT(newton_steps, 200);
+  EXPECT_GT(sparse_steps, 200);
+  EXPECT_GT(compared, 380) << "of 400";
+}
+
+/// At a solution, the linear law of each block returns its impulse: the class and both Newton methods then agree with the contact laws.
+TEST(VelocitySolver, LinearLawsContainTheSolution) {
+  double worst = 0;
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    RandomIsland island(seed);
+    island.solver.solve({.iterations = 5000, .tolerance = 1e-12});
+    if (island.violation(1e-4) > 1e-10) continue;
+    const std::vector<double> u = island.velocities();
+    for (const RowBlock& b : island.solver.blocks()) {
+      const std::span<const double> p = island.solver.impulses(b);
+      LinearLaw law;
+      find_linear_law(b, 1, 0, p.data(), u.data() + b.row, law);
+      for (std::size_t r = 0; r < static_cast<std::size_t>(b.rows); ++r) {
+        double next = law.c[r];
+        for (std::size_t c = 0; c < static_cast<std::size_t>(b.rows); ++c)
+          next -= law.G[3 * r + c] * u[static_cast<std::size_t>(b.row) + c];
+        worst = std::max(worst, std::fabs(next - p[r]));
+      }
+    }
+  }
+  EXPECT_LT(worst, 1e-5);  // the compliance and the regularization divide the velocities by 1e-4 and 1e-7 of the inverse inertia
 }
 
 TEST(VelocitySolver, DenseIslandRepeatsItsBits) {

@@ -67,7 +67,7 @@ void DenseIsland::number_rows(const IslandRows& island) {
 void DenseIsland::make_matrix(const IslandRows& island) {
   B_.resize(static_cast<std::size_t>(n_) * static_cast<std::size_t>(stride_));
   solver_kernels().make_matrix({island.blocks.data(), island.order.data(), static_cast<int>(island.order.size()), island.segments.data(),
-                               island.rows, local_.data(), B_.data(), stride_});
+                                island.rows, local_.data(), B_.data(), stride_});
 }
 
 /// Calculates the velocities u = target + B p from the impulses p.

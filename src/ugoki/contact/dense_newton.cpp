@@ -5,6 +5,7 @@
 
 #include "ugoki/contact/contact_law.h"
 #include "ugoki/contact/dense_island.h"
+#include "ugoki/contact/natural_map.h"
 #include "ugoki/contact/solver_kernels.h"
 
 namespace ugoki::contact {
@@ -12,12 +13,6 @@ namespace {
 
 /// Maximum number of halvings of a Newton step that does not reduce the residual.
 constexpr int max_halvings = 5;
-/// Regularization of rows that may depend on each other (friction of redundant contacts), as a fraction of their inverse inertia. It is
-/// in Newton's matrix only, not in the law. With 1e-7 or 1e-2 a falling humanoid needs 1.5 times as many Newton steps.
-constexpr double regularization = 1e-4;
-/// Regularization of limit rows, as a fraction of their inverse inertia. They depend on other rows only when a chain is jammed.
-constexpr double limit_regularization = 1e-7;
-
 /// Solves A x = b by Gaussian elimination with partial pivoting. @param A [n][n + 1], last column b; destroyed
 /// @return false if A is singular
 bool solve_dense(double* A, std::size_t n, double* x) {
@@ -47,21 +42,6 @@ bool solve_dense(double* A, std::size_t n, double* x) {
 
 bool is_finite(double x) { return x - x == 0; }
 
-/// Projects p - u / metric of a roll block onto the ball of its law.
-/// @param x [3, out] @return the size before the projection as a fraction of the ball's radius; infinite for a radius of zero
-double roll_projection(const RowBlock& b, const double* p, const double* u, double metric, double normal, double* x) {
-  const double radius = b.mu * std::max(0.0, normal);
-  double square = 0;
-  for (int r = 0; r < 3; ++r) {
-    x[r] = p[r] - u[r] / metric;
-    square += x[r] * x[r];
-  }
-  const double size = std::sqrt(square);
-  if (size > radius)
-    for (int r = 0; r < 3; ++r) x[r] *= radius / size;
-  return radius > 0 ? size / radius : HUGE_VAL;
-}
-
 }  // namespace
 
 /// Adds the unknowns of a contact at the present p and u.
@@ -78,14 +58,15 @@ void DenseIsland::add_contact(const RowBlock& b, int row) {
   if (x_n > 0 && (sticks || !(radius > 0))) unknowns_.push_back({row, false, 0, 0, soft, 0});
   if (!(radius > 0)) return;
   if (sticks) {
-    for (int r = 1; r < 3; ++r) unknowns_.push_back({row + r, false, 0, 0, regularization * B_t, regularization * B_t * p[r]});
+    for (int r = 1; r < 3; ++r)
+      unknowns_.push_back({row + r, false, 0, 0, NaturalMap::regularization * B_t, NaturalMap::regularization * B_t * p[r]});
     return;
   }
   const double d1 = x1 / size, d2 = x2 / size;
   fixed[1] = b.mu * b.impact_impulse * d1;
   fixed[2] = b.mu * b.impact_impulse * d2;
   if (x_n > 0) sliding_.push_back({row, true, b.mu * d1, b.mu * d2, soft, 0});
-  unknowns_.push_back({row, true, -d2, d1, std::max(metric * (size / radius - 1), regularization * B_t), 0});
+  unknowns_.push_back({row, true, -d2, d1, std::max(metric * (size / radius - 1), NaturalMap::regularization * B_t), 0});
 }
 
 /// Collects the unknowns of a Newton step, and in fixed_ the impulses of all other rows.
@@ -106,15 +87,15 @@ void DenseIsland::collect_unknowns(const IslandRows& island) {
       case RowKind::contact: add_contact(b, local_[i]); break;
       case RowKind::limit:
         fixed[0] = 0;
-        if (p[0] - u[0] / (augmentation_ * b.B[0]) > 0) add_plain(local_[i], limit_regularization * b.B[0]);
+        if (p[0] - u[0] / (augmentation_ * b.B[0]) > 0) add_plain(local_[i], NaturalMap::limit_regularization * b.B[0]);
         break;
       case RowKind::grip:
-        for (int r = 0; r < 3; ++r) add_plain(local_[i] + r, limit_regularization * b.size * b.size);
+        for (int r = 0; r < 3; ++r) add_plain(local_[i] + r, NaturalMap::limit_regularization * b.size * b.size);
         break;
       case RowKind::friction: {
         const double x = p[0] - u[0] / (augmentation_ * b.B[0]);
         fixed[0] = std::clamp(x, -b.bound, b.bound);
-        if (std::fabs(x) < b.bound) add_plain(local_[i], regularization * b.B[0]);
+        if (std::fabs(x) < b.bound) add_plain(local_[i], NaturalMap::regularization * b.B[0]);
         break;
       }
       case RowKind::roll: {
@@ -122,7 +103,7 @@ void DenseIsland::collect_unknowns(const IslandRows& island) {
         const double radius = roll_projection(b, p, u, augmentation_ * b.size * b.size, normal_impulse(i), x);
         std::copy_n(x, 3, fixed);
         if (radius < 1)
-          for (int r = 0; r < 3; ++r) add_plain(local_[i] + r, regularization * b.B[r]);
+          for (int r = 0; r < 3; ++r) add_plain(local_[i] + r, NaturalMap::regularization * b.B[r]);
         break;
       }
     }
@@ -131,53 +112,13 @@ void DenseIsland::collect_unknowns(const IslandRows& island) {
 
 /// Computes the natural map at p and u. @return its squared norm; sets max_residual_
 double DenseIsland::residual(const IslandRows& island) {
-  double sum = 0;
-  max_residual_ = 0;
-  // An entry of the natural map is a velocity for a row that obeys an equation, and an impulse times `metric` for a row at its bound.
-  const auto add = [&](double metric, double change, bool at_bound) {
-    const double f = metric * change;
-    sum += f * f;
-    max_residual_ = std::max(max_residual_, at_bound ? std::fabs(f) / augmentation_ : std::fabs(f));
-  };
+  NaturalMap map{augmentation_};
   for (std::size_t i = 0; i < island.order.size(); ++i) {
     const RowBlock& b = island.blocks[static_cast<std::size_t>(island.order[i])];
-    const double* const p = p_.data() + local_[i];
-    const double* const u = u_.data() + local_[i];
-    const double metric = augmentation_ * b.B[0];
-    switch (b.kind) {
-      case RowKind::contact: {
-        const double metric_t = augmentation_ * std::max(b.B[1], b.B[2]);
-        const double x_n = std::max(0.0, p[0] - (u[0] + b.compliance * b.B[0] * p[0]) / metric), radius = b.mu * (x_n + b.impact_impulse);
-        double x1 = p[1] - u[1] / metric_t, x2 = p[2] - u[2] / metric_t;
-        const bool slides = x1 * x1 + x2 * x2 > radius * radius;
-        clamp_to_disk(x1, x2, radius);
-        add(metric, p[0] - x_n, x_n <= 0);
-        add(metric_t, p[1] - x1, slides);
-        add(metric_t, p[2] - x2, slides);
-        break;
-      }
-      case RowKind::limit: {
-        const double x = p[0] - u[0] / metric;
-        add(metric, p[0] - std::max(0.0, x), x <= 0);
-        break;
-      }
-      case RowKind::grip:
-        for (int r = 0; r < 3; ++r) add(1, u[r], false);
-        break;
-      case RowKind::friction: {
-        const double x = p[0] - u[0] / metric;
-        add(metric, p[0] - std::clamp(x, -b.bound, b.bound), std::fabs(x) > b.bound);
-        break;
-      }
-      case RowKind::roll: {
-        double x[3];
-        const bool slides = roll_projection(b, p, u, augmentation_ * b.size * b.size, normal_impulse(i), x) > 1;
-        for (int r = 0; r < 3; ++r) add(augmentation_ * b.size * b.size * b.lever, p[r] - x[r], slides);
-        break;
-      }
-    }
+    map.add(b, b.kind == RowKind::roll ? normal_impulse(i) : 0, p_.data() + local_[i], u_.data() + local_[i]);
   }
-  return sum;
+  max_residual_ = map.maximum;
+  return map.square;
 }
 
 /// Writes the linear equations of the unknowns to A_ and S_. With X the rows of an unknown, E those of its equation and B the inverse

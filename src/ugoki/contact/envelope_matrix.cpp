@@ -6,6 +6,7 @@ void EnvelopeMatrix::reserve(std::size_t n, std::size_t entries) {
   first_.reserve(n);
   start_.reserve(n);
   values_.reserve(entries);
+  upper_.reserve(entries);
 }
 
 void EnvelopeMatrix::begin(int n) {
@@ -33,6 +34,10 @@ void EnvelopeMatrix::set_identity() {
 
 void EnvelopeMatrix::solve(const std::vector<double>& b, std::vector<double>& x) {
   solver_kernels().solve_envelope(arguments(), b.data(), x.data());
+}
+
+void EnvelopeMatrix::solve_unsymmetric(const std::vector<double>& b, std::vector<double>& x) {
+  solver_kernels().solve_unsymmetric_envelope(arguments(), b.data(), x.data());
 }
 
 }  // namespace ugoki::contact

@@ -1,7 +1,7 @@
 #pragma once
-// Sparse symmetric positive definite matrix, stored as an envelope: in each row the entries from the first nonzero column to the diagonal.
-// Factoring fills in entries only inside the envelope. Source: George, Liu (1981), Computer solution of large sparse positive definite
-// systems, chapter 4.
+// Sparse matrix, symmetric and positive definite or of symmetric structure, stored as an envelope: in each row the entries from the first
+// nonzero column to the diagonal. Factoring fills in entries only inside the envelope. Source: George, Liu (1981), Computer solution of
+// large sparse positive definite systems, chapter 4.
 
 #include <algorithm>
 #include <cstddef>
@@ -35,20 +35,25 @@ class EnvelopeMatrix {
     return values_.data() + start_[i] - first_[i];
   }
   void set_identity();
+  /// Makes the matrix unsymmetric: sets its upper triangle to zero.
+  void set_upper_identity() { upper_.assign(size_, 0.0); }
   /// The matrix for solver_kernels(); valid until the next call of begin().
   [[nodiscard]] EnvelopeArguments arguments() {
-    return {static_cast<int>(first_.size()), first_.data(), start_.data(), values_.data()};
+    return {static_cast<int>(first_.size()), first_.data(), start_.data(), values_.data(), upper_.data()};
   }
 
   /// Solves A x = b and replaces the matrix by its Cholesky factor with inverted diagonal. A must be positive definite.
   /// @param b [n] @param x [n, out]
   void solve(const std::vector<double>& b, std::vector<double>& x);
+  /// Solves A x = b and replaces the matrix by its factors L U. No rows are exchanged. @param b [n] @param x [n, out]
+  void solve_unsymmetric(const std::vector<double>& b, std::vector<double>& x);
 
  private:
   std::vector<int> first_;          // [n] first column of each row
   std::vector<std::size_t> start_;  // [n] index in values_ of the first entry of each row
   std::vector<double> values_;
-  std::size_t size_ = 0;  // number of entries
+  std::vector<double> upper_;  // like values_, for the transposed upper triangle of an unsymmetric matrix
+  std::size_t size_ = 0;       // number of entries
 };
 
 }  // namespace ugoki::contact

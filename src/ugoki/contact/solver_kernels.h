@@ -1,6 +1,6 @@
 #pragma once
-// The inner loops of the velocity solver. They are compiled for SSE2 and, on x86, for AVX2; the width is chosen at run time. Each value is computed
-// by the same operations in the same order for every width, so that the bits are equal.
+// The inner loops of the velocity solver. They are compiled for SSE2 and, on x86, for AVX2; the width is chosen at run time. Each value is
+// computed by the same operations in the same order for every width, so that the bits are equal.
 
 #include <cstddef>
 
@@ -40,6 +40,7 @@ struct EnvelopeArguments {
   const int* first;          ///< [n] first column of each row
   const std::size_t* start;  ///< [n] index of the first entry of each row
   double* values;
+  double* upper;  ///< like `values`: transposed upper triangle of an unsymmetric matrix, without its diagonal
 };
 
 /// The rows Z of a block, sorted by the row of the Newton matrix to which each entry belongs.
@@ -61,8 +62,12 @@ struct SolverKernels {
   void (*eliminate)(double* A, int n, int width, double* inverse);
   /// Adds Z^T G Z to the lower triangle of an envelope matrix. @param G [3][3]
   void (*add_to_envelope)(const SortedBlock&, const double* G, const EnvelopeArguments&);
+  /// Adds Z^T G Z to the upper triangle of an unsymmetric envelope matrix, without its diagonal.
+  void (*add_to_upper_envelope)(const SortedBlock&, const double* G, const EnvelopeArguments&);
   /// Solves A x = b and replaces A by its Cholesky factor with inverted diagonal. @param b [n] @param x [n, out]
   void (*solve_envelope)(const EnvelopeArguments& A, const double* b, double* x);
+  /// Solves A x = b for an unsymmetric matrix and replaces A by its factors L U. @param b [n] @param x [n, out]
+  void (*solve_unsymmetric_envelope)(const EnvelopeArguments& A, const double* b, double* x);
   /// Adds B p to u. @param B [n][stride] symmetric @param p [n] @param u [n]
   void (*add_product)(const double* B, int stride, int n, const double* p, double* u);
 };

@@ -95,6 +95,23 @@ void add_to_envelope(const SortedBlock& s, const double* G, const EnvelopeArgume
   }
 }
 
+void add_to_upper_envelope(const SortedBlock& s, const double* G, const EnvelopeArguments& A) {
+  const double *const Z0 = s.Z, *const Z1 = Z0 + s.length, *const Z2 = Z1 + s.length;
+  for (int e = 0; e < s.length; ++e) {
+    double* const to_row = A.upper + A.start[s.row[e]] - A.first[s.row[e]];
+    const double z0 = Z0[e], z1 = s.rows == 3 ? Z1[e] : 0, z2 = s.rows == 3 ? Z2[e] : 0;
+    const double h0 = G[0] * z0 + G[1] * z1 + G[2] * z2, h1 = G[3] * z0 + G[4] * z1 + G[5] * z2, h2 = G[6] * z0 + G[7] * z1 + G[8] * z2;
+    for (int f = 0; f < e;) {
+      const int end = s.run[f] < e ? s.run[f] : e;
+      double* const to = to_row + s.row[f] - f;
+      if (s.rows == 3)
+        for (; f < end; ++f) to[f] += h0 * Z0[f] + h1 * Z1[f] + h2 * Z2[f];
+      else
+        for (; f < end; ++f) to[f] += h0 * Z0[f];
+    }
+  }
+}
+
 /// Scalar product of n elements: eight sums, added in a fixed order.
 inline double long_product(const double* a, const double* b, int n) {
   RowLanes even = {}, odd = {};
@@ -131,6 +148,29 @@ void solve_envelope(const EnvelopeArguments& A, const double* b, double* x) {
     const double value = x[i] *= row[i - low];
     double* const to = x + low;
     for (int k = 0; k < i - low; ++k) to[k] -= row[k] * value;
+  }
+}
+
+void solve_unsymmetric_envelope(const EnvelopeArguments& A, const double* b, double* x) {
+  for (int i = 0; i < A.n; ++i) {
+    double* const L = A.values + A.start[i];
+    double* const U = A.upper + A.start[i];
+    const int low = A.first[i];
+    for (int j = low; j < i; ++j) {
+      const double *const L_j = A.values + A.start[j], *const U_j = A.upper + A.start[j];
+      const int other_low = A.first[j], from = low < other_low ? other_low : low;
+      U[j - low] -= long_product(U + (from - low), L_j + (from - other_low), j - from);
+      L[j - low] = (L[j - low] - long_product(L + (from - low), U_j + (from - other_low), j - from)) * L_j[j - other_low];
+    }
+    L[i - low] = 1 / (L[i - low] - long_product(L, U, i - low));
+    x[i] = b[i] - long_product(L, x + low, i - low);
+  }
+  for (int i = A.n; i-- > 0;) {
+    const double* const U = A.upper + A.start[i];
+    const int low = A.first[i];
+    const double value = x[i] *= A.values[A.start[i] + static_cast<std::size_t>(i - low)];
+    double* const to = x + low;
+    for (int k = 0; k < i - low; ++k) to[k] -= U[k] * value;
   }
 }
 
@@ -211,7 +251,8 @@ double sweep(const SweepArguments& m, bool forward, double minimum) {
 
 namespace UGOKI_WIDTH {
 extern const SolverKernels table;
-const SolverKernels table = {sweep, make_matrix, eliminate, add_to_envelope, solve_envelope, add_product};
+const SolverKernels table = {
+    sweep, make_matrix, eliminate, add_to_envelope, add_to_upper_envelope, solve_envelope, solve_unsymmetric_envelope, add_product};
 }  // namespace UGOKI_WIDTH
 
 }  // namespace ugoki::contact

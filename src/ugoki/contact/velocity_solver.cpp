@@ -221,16 +221,17 @@ bool VelocitySolver::solve_densely(const Island& island, const SolverOptions& op
 
 /// @return true if the last sweep changed every velocity by less than the tolerance, or by less than DenseIsland::accepted_residual
 bool VelocitySolver::solve_island(const Island& island, const SolverOptions& options, SolverReport& report) {
-  constexpr int round = 12;       // sweeps between two checks of the convergence rate
-  constexpr int first_check = 2;  // sweeps before the first check
-  constexpr int patience = 8;     // sweeps that cost about as much as Newton's method, which usually takes two to five steps
-  constexpr int crowd = 256;      // number of blocks of an island above which the coarse tolerance and half the sweeps are used
+  constexpr int round = 12;                 // sweeps between two checks of the convergence rate
+  constexpr int first_check = 2;            // sweeps before the first check
+  constexpr int patience = 8;               // sweeps that cost about as much as Newton's method, which usually takes two to five steps
+  constexpr double semi_smooth_steps = 16;  // the semi-smooth Newton method is tried if this number of symmetric steps is affordable
+  constexpr int crowd = 256;                // number of blocks of an island above which the coarse tolerance and half the sweeps are used
   budget_ = island_budget_;
   const bool crowded = island.blocks > crowd;
   const int maximum = crowded ? options.iterations / 2 : options.iterations;
   double tolerance = crowded ? std::max(options.coarse, options.tolerance) : options.tolerance;
   if (!crowded && solve_densely(island, options, tolerance, report)) return true;
-  bool newton_helps = true;
+  bool newton_helps = true, semi_smooth_helps = true;
   double change = 0, before = HUGE_VAL;
   for (int sweeps = 1;; ++sweeps) {
     change = sweep(island, (sweeps & 1) != 0, crowded ? 0.01 * tolerance : 0);
@@ -247,6 +248,12 @@ bool VelocitySolver::solve_island(const Island& island, const SolverOptions& opt
     before = change;
     if (then < tolerance || (crowded && sweeps <= round)) continue;
     newton_helps = newton_helps && order_systems(island, crowded ? 16 : 1);
+    if (newton_helps && semi_smooth_helps &&
+        budget_ > semi_smooth_steps * cost_) {  // at the next check, the augmented Lagrangian is used instead
+      semi_smooth_helps = false;
+      report.newton_steps += semi_smooth_newton(island, change, tolerance);
+      continue;
+    }
     if (newton_helps) {
       report.newton_steps += newton(island, false, change, tolerance);
     } else {

@@ -11,8 +11,10 @@
 // An island is a group of systems joined by rows; islands are solved independently, each by the first of these methods that converges:
 //   1. Small islands: sweeps and semi-smooth Newton steps on the dense matrix B = Y Y^T (dense_island.h).
 //   2. Sweeps: each visits the blocks of the island one after the other (block Gauss-Seidel) and solves each block by itself.
-//   3. If sweeps converge slowly (heavy bodies on light ones, towers): Newton's method on w for the augmented Lagrangian. Its sparse matrix
-//      couples only systems that touch (envelope Cholesky, breadth-first order). See velocity_newton.cpp.
+//   3. If sweeps converge slowly (heavy bodies on light ones, towers): semi-smooth Newton steps on w, once. Their sparse matrix couples
+//      only systems that touch (envelope, breadth-first order). See velocity_semismooth.cpp.
+//   4. If the sweeps still converge slowly: Newton's method on w for the augmented Lagrangian, with the same envelope. See
+//      velocity_newton.cpp.
 // Sources: Moreau (1988), Unilateral contact and dry friction in finite DOF dynamics; Hwangbo, Lee, Hutter (2018), Per-contact
 // iteration method; Alart, Curnier (1991), A mixed formulation for frictional contact problems prone to Newton-like methods.
 
@@ -27,6 +29,7 @@
 #include "ugoki/base/executor.h"
 #include "ugoki/contact/dense_island.h"
 #include "ugoki/contact/envelope_matrix.h"
+#include "ugoki/contact/natural_map.h"
 #include "ugoki/contact/row_block.h"
 #include "ugoki/contact/system_order.h"
 
@@ -144,6 +147,15 @@ class VelocitySolver {
   void assemble_matrix(const Island& island);
   void recompute_w(const Island& island);
 
+  // Semi-smooth Newton method, in velocity_semismooth.cpp
+  int semi_smooth_newton(const Island& island, double change, double tolerance);
+  void project(const Island& island);
+  [[nodiscard]] double leader_impulse(const RowBlock& b) const;
+  void update_motion(const Island& island);
+  void velocities_at(const Island& island, int i, const std::vector<double>& x, double* u);
+  double natural_map(const Island& island, double augmentation, double& maximum);
+  bool step_to_linear_laws(const Island& island, double augmentation);
+
   // Threads, in velocity_threads.cpp
   struct Worker;
   Executor* executor_ = nullptr;
@@ -177,6 +189,7 @@ class VelocitySolver {
   double newton_left_ = HUGE_VAL;            // floating-point operations left for all islands until the next limit_newton()
   std::vector<int> local_;                   // [systems] first row of the system in H_
   EnvelopeMatrix H_;                         // Newton matrix H
+  std::vector<LinearLaw> laws_;              // [blocks of the island]
   std::vector<double> G_;                    // [blocks of the island * 9] -dp/du, row by row
   std::vector<double> F_, step_, x_;         // [n] x_: w without base_
   std::vector<double> old_p_, hat_, shift_;  // hat_: p^ of the augmented Lagrangian; shift_: AugmentedLaw::shift
