@@ -21,7 +21,6 @@ inline double product(const double* a, const double* b) {
 ArticulatedFactor::ArticulatedFactor(const Mechanism& m) {
   const auto n = static_cast<std::size_t>(m.nv());
   dofs_.resize(n);
-  IA_.resize(n);
   sweep_.resize(6 * n);
   std::vector<int> moved_by(static_cast<std::size_t>(m.link_count()), -1);
   std::vector<int> count(n + 1, 0);
@@ -38,6 +37,20 @@ ArticulatedFactor::ArticulatedFactor(const Mechanism& m) {
     dofs_[k].parent = parent;
     dofs_[k].depth = parent < 0 ? 0 : dofs_[static_cast<std::size_t>(parent)].depth + 1;
   }
+  std::vector<int> children(n, 0);
+  for (const Dof& dof : dofs_)
+    if (dof.parent >= 0) ++children[static_cast<std::size_t>(dof.parent)];
+  inertia_of_.assign(n, -1);
+  for (std::size_t k = n; k-- > 0;) {
+    if (inertia_of_[k] < 0) {
+      inertia_of_[k] = static_cast<int>(inertia_dof_.size());
+      inertia_dof_.push_back(static_cast<int>(k));
+    }
+    if (dofs_[k].parent < 0) continue;
+    const auto parent = static_cast<std::size_t>(dofs_[k].parent);
+    if (children[parent] == 1 && count[parent] == count[parent + 1]) inertia_of_[parent] = inertia_of_[k];
+  }
+  IA_.resize(inertia_dof_.size());
   first_link_ = count;
   links_.resize(static_cast<std::size_t>(count[n]));
   for (int i = 0; i < m.link_count(); ++i)
@@ -48,9 +61,10 @@ ArticulatedFactor::ArticulatedFactor(const Mechanism& m) {
 int ArticulatedFactor::factor(const Workspace& ws, std::span<const double> extra) {
   const std::size_t n = dofs_.size();
   UGOKI_CHECK(ws.S.size() == n && (extra.empty() || extra.size() == n));
-  for (std::size_t k = 0; k < n; ++k) {
-    double* const A = IA_[k].x;
-    std::memset(A, 0, sizeof IA_[k].x);
+  for (std::size_t shared = 0; shared < IA_.size(); ++shared) {
+    const auto k = static_cast<std::size_t>(inertia_dof_[shared]);
+    double* const A = IA_[shared].x;
+    std::memset(A, 0, sizeof IA_[shared].x);
     for (int l = first_link_[k]; l < first_link_[k + 1]; ++l) {
       const Inertia& I = ws.I[static_cast<std::size_t>(links_[static_cast<std::size_t>(l)])];
       A[0] += I.I.xx;
@@ -77,7 +91,7 @@ int ArticulatedFactor::factor(const Workspace& ws, std::span<const double> extra
   }
   for (std::size_t k = n; k-- > 0;) {
     Dof& dof = dofs_[k];
-    const double* const A = IA_[k].x;
+    double* const A = IA_[static_cast<std::size_t>(inertia_of_[k])].x;
     const Vec6& S = ws.S[k];
     const double s[6] = {S.w.x, S.w.y, S.w.z, S.v.x, S.v.y, S.v.z};
     double u[6];
@@ -92,7 +106,14 @@ int ArticulatedFactor::factor(const Workspace& ws, std::span<const double> extra
     std::memcpy(dof.S, s, sizeof s);
     std::memcpy(dof.U, u, sizeof u);
     if (dof.parent < 0) continue;
-    double* const up = IA_[static_cast<std::size_t>(dof.parent)].x;
+    double* const up = IA_[static_cast<std::size_t>(inertia_of_[static_cast<std::size_t>(dof.parent)])].x;
+    if (up == A) {
+      for (int i = 0; i < 6; ++i) {
+        const double t = u[i] * dof.inverse;
+        for (int j = 0; j < 6; ++j) A[6 * i + j] -= t * u[j];
+      }
+      continue;
+    }
     for (int i = 0; i < 6; ++i) {
       const double t = u[i] * dof.inverse;
       for (int j = 0; j < 6; ++j) up[6 * i + j] += A[6 * i + j] - t * u[j];

@@ -63,8 +63,11 @@ class ArticulatedFactor {
   };
   std::vector<Dof> dofs_;
   std::vector<int> first_link_, links_;  // links rigidly attached to each DOF: links_[first_link_[k]] to links_[first_link_[k + 1] - 1]
-  std::vector<Inertia6> IA_;             // [nv] articulated-body inertias
-  mutable std::vector<double> sweep_;    // [nv * 6] forces or accelerations during a recursion
+  // A DOF that no link is attached to and that has one child, for example within a floating joint, shares the inertia of the child.
+  std::vector<Inertia6> IA_;           // [shared] articulated-body inertias
+  std::vector<int> inertia_of_;        // [nv] index in IA_ of each DOF
+  std::vector<int> inertia_dof_;       // [shared] DOF closest to the tips that uses the inertia
+  mutable std::vector<double> sweep_;  // [nv * 6] forces or accelerations during a recursion
 };
 
 }  // namespace ugoki::dynamics
