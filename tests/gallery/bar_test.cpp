@@ -6,36 +6,13 @@
 #include <cmath>
 #include <vector>
 
-#include "ugoki/content/player.h"
+#include "play.h"
 #include "ugoki/dynamics/centroidal.h"
 #include "ugoki/dynamics/dynamics.h"
-#include "ugoki/files/files.h"
-#include "ugoki/lsi/payload.h"
 #include "ugoki/mechanism/state.h"
-#include "ugoki/studio/content_recipes.h"
 
 namespace ugoki::studio {
 namespace {
-
-content::Player open_bar() {
-  const Result<std::string> text = files::read_file(std::string(UGOKI_SOURCE_DIR) + "/examples/content/bar.json");
-  EXPECT_TRUE(text);
-  const Result<content::ContentText> made = make_content(*text, "bar");
-  EXPECT_TRUE(made) << (made ? "" : made.error().text());
-  const auto bytes = content::generate(made->scenario, made->resources);
-  EXPECT_TRUE(bytes) << (bytes ? "" : bytes.error().text());
-  auto player = content::Player::open(*bytes, "bar");
-  EXPECT_TRUE(player) << (player ? "" : player.error().text());
-  return std::move(*player);
-}
-
-const double* output(content::Player& player, const char* pin) {
-  return reinterpret_cast<const double*>(player.interpreter().find_output(pin)->bytes.data());
-}
-
-std::span<const lsi::EventRecord> grips_of(content::Player& player) {
-  return lsi::records<lsi::EventRecord>(player.interpreter().find_output("dynamics.grips")->bytes.data());
-}
 
 /// Books the energy of the gymnast: kinetic and potential energy and the springs of the joints, against the work of drives and dampers.
 class Books {
@@ -90,7 +67,7 @@ class Books {
 };
 
 TEST(Bar, HangsSwingsLetsGoLandsAndStands) {
-  content::Player player = open_bar();
+  content::Player player = open_content("bar");
   Books books(player);
   const double start = books.energy();
   double gap = 0, before = 0;

@@ -2,7 +2,7 @@ import * as THREE from 'three';
 import { describe, expect, it } from 'vitest';
 import type { MechanismData } from '../src/core/protocol';
 import { finish, make_body_surface, make_rough_surface, surfaces_ready, type BodySurface, type IndexRange } from '../src/view/body_surface';
-import { BodyField, bind_poses } from '../src/view/body_field';
+import { BodyField, bind_poses, parts_of_body } from '../src/view/body_field';
 
 type Link = { label: string; parent: number; at: [number, number, number]; shape: object };
 const mechanism = (links: Link[]): MechanismData =>
@@ -116,6 +116,16 @@ describe('the surface of a body', () => {
   it('is made for bodies only', () => {
     expect(make_body_surface(mechanism(chain.links.slice(0, 4).map((l) => ({ label: l.label ?? '', parent: l.parent, at: [0, 0, 0], shape: l.shapes[0]! }))))).toBeNull();
     expect(make_body_surface({ ...chain, links: chain.links.map((l) => ({ ...l, label: '' })) })).toBeNull();
+  });
+
+  it('leaves out a machine that carries the body, but not what the body carries', () => {
+    const limbs = Array.from({ length: 9 }, (_, i) => ({ label: i === 8 ? '' : `part ${i}`, parent: i, at: [0.5 * i, 0, 1] as [number, number, number], shape: { type: 'sphere', radius } }));
+    const machine = { label: '', parent: -1, at: [0, 0, -3] as [number, number, number], shape: { type: 'sphere', radius } };
+    const both = mechanism([machine, { ...machine, parent: 0 }, ...limbs.map((l, i) => ({ ...l, parent: i === 0 ? 0 : l.parent + 1 }))]);
+    expect(parts_of_body(both)).toEqual([false, false, ...limbs.map(() => true)]);
+    const low = points(make_body_surface(both)!).map((p) => p.z);
+    expect(low.length).toBeGreaterThan(100);
+    expect(Math.min(...low)).toBeGreaterThan(0.5);
   });
 
   it('is made with legs apart', () => {

@@ -5,7 +5,8 @@ import type { MechanismData } from '../src/core/protocol';
 import { mechanism_geometries } from '../src/view/character_view';
 import { Crowd } from '../src/view/crowd';
 import { CrowdMember } from '../src/view/crowd_member';
-import { rigid_surface } from '../src/view/crowd_surface';
+import { make_body_surface } from '../src/view/body_surface';
+import { body_and_machine, rigid_surface } from '../src/view/crowd_surface';
 
 const sphere = { type: 'sphere', radius: 0.1, pose: [0.2, 0, 0, 1, 0, 0, 0] };
 const robot = {
@@ -34,6 +35,25 @@ describe('a crowd', () => {
     const pose = new THREE.Matrix4().compose(new THREE.Vector3(1, 2, 3), new THREE.Quaternion(0, 0, quarter, quarter), new THREE.Vector3(1, 1, 1));
     const point = new THREE.Vector3(0.7, 0.1, -0.2);
     expect(moved(member.packed, 0, point).distanceTo(point.clone().applyMatrix4(inverse).applyMatrix4(pose))).toBeLessThan(1e-6);
+  });
+
+  it('draws a machine that carries a body by its shapes, beside the smooth surface', () => {
+    const shape = { type: 'sphere', radius: 0.1, pose: [0, 0, 0, 1, 0, 0, 0] };
+    const links = Array.from({ length: 10 }, (_, i) => ({ name: `link ${i}`, label: i === 0 ? '' : `part ${i}`, parent: i - 1, joint: 'revolute', dofs: 1, neutral: [i, 0, 0, quarter, 0, 0, quarter], shapes: [shape] }));
+    const cyclist = { ...robot, links } as unknown as MechanismData;
+    const body = make_body_surface(cyclist)!;
+    const shapes = mechanism_geometries(cyclist);
+    const surface = body_and_machine(body, cyclist, shapes);
+    const index = shapes[0]!.index!.count;
+    expect([surface.shown.count, surface.shadow.count]).toEqual([body.shown.count + index, body.shadow.count + index]);
+    expect(surface.geometry.index!.count).toBe(surface.shown.count + surface.shadow.count);
+    const member = new CrowdMember('c', cyclist, shapes, '#ffffff');
+    member.surface = surface;
+    member.place_poses(new Float32Array(links.flatMap((_, i) => [5, i, 7, 1, 0, 0, 0])), 0, links.length);
+    const last = surface.geometry.index!.getX(surface.shown.count - 1); // a vertex of the machine
+    expect(surface.geometry.getAttribute('skinIndex').getX(last)).toBe(0);
+    const drawn = moved(member.packed, 0, new THREE.Vector3().fromBufferAttribute(surface.geometry.getAttribute('position'), last));
+    expect(drawn.distanceTo(new THREE.Vector3(5, 0, 7))).toBeCloseTo(0.1, 3);
   });
 
   it('places the targets of rays and the bounds where the links are drawn', () => {

@@ -13,6 +13,18 @@ namespace {
 
 constexpr std::size_t max_supports = 64;
 
+/// Scale of each drive's torque for LoopDrives, N m: its effort, at most that which lifts the whole mechanism.
+std::vector<double> drive_strengths(const Mechanism& m, const Vec3& gravity) {
+  double size = 0;
+  std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
+  calc_poses(m, m.neutral(), X);
+  for (const Pose& pose : X) size = std::max(size, norm(pose.p - X[0].p));
+  const double max_strength = std::max(1.0, m.mass() * norm(gravity) * size);
+  std::vector<double> strength(static_cast<std::size_t>(m.nv()));
+  for (int i = 0; i < m.nv(); ++i) strength[static_cast<std::size_t>(i)] = std::min(m.dof(i).effort, max_strength);
+  return strength;
+}
+
 /// Height [m, world] of the shape's lowest point.
 double lowest_point(const Shape& s, const Pose& X_WB) {
   const Pose X = X_WB * s.X_BS;
@@ -22,7 +34,8 @@ double lowest_point(const Shape& s, const Pose& X_WB) {
 }  // namespace
 
 MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& options)
-    : mechanism_(std::move(mechanism)), options_(options), workspace_(*mechanism_), reference_(*mechanism_), problem_(max_supports) {
+    : mechanism_(std::move(mechanism)), options_(options), workspace_(*mechanism_), reference_(*mechanism_), problem_(max_supports),
+      loop_drives_(*mechanism_, drive_strengths(*mechanism_, options.gravity)) {
   reference_known_.resize(static_cast<std::size_t>(mechanism_->link_count()));
   const Mechanism& m = *mechanism_;
   wanted_.resize(static_cast<std::size_t>(m.nv()));
@@ -35,7 +48,7 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
   weight_ = m.mass() * norm(options_.gravity);
   floating_ = m.link(0).joint.type == JointType::floating;
   for (int i = floating_ ? 6 : 0; i < m.nv(); ++i)
-    if (m.dof(i).effort == 0) undriven_.push_back(i);
+    if (m.dof(i).effort == 0 && !loop_drives_.contains(i)) undriven_.push_back(i);
   if (!undriven_.empty()) {
     extra_.resize(wanted_.size());
     response_.resize(wanted_.size());
@@ -246,8 +259,12 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
     const double next_v = in.v[i] + in.dt * wanted_[i];
     tau[i] += f.damping * next_v;
     if (f.stiffness > 0) tau[i] += f.stiffness * (displacement_[i] + in.dt * next_v - f.rest);
+  }
+  if (!loop_drives_.empty()) loop_drives_.distribute(m, ws, in.q, in.v, tau);
+  for (std::size_t i = root_dofs; i < n; ++i) {
+    const Dof& f = ws.dofs[i];
     tau[i] = std::clamp(tau[i], -f.effort, f.effort);
-    servo_velocity[i] = next_v;
+    servo_velocity[i] = in.v[i] + in.dt * wanted_[i];
     const double strength = std::min(f.effort, weight_ * lever_);
     servo_gain[i] = bears_load_[i] ? options_.joint_hold * strength * strength / (weight_ * lever_) : 0;
   }

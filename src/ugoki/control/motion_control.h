@@ -11,6 +11,7 @@
 //      trajectory is shifted with it.
 //   5. The remaining wrench is the root assist, which is capped, applied and reported. The part above the cap changes the acceleration of
 //      the root: all joints keep their wanted accelerations, and the root lags behind its reference.
+//   In closed loops, the torques of joints without a drive are transmitted to the drives (loop_drives.h).
 //   6. If the character has fallen or lost its reference on the average over `patience`, control is released: from then on there is no
 //      drive torque and no assist, and the character is a ragdoll.
 
@@ -19,6 +20,7 @@
 
 #include "ugoki/collision/contact_point.h"
 #include "ugoki/control/contact_forces.h"
+#include "ugoki/control/loop_drives.h"
 #include "ugoki/dynamics/dynamics.h"
 
 namespace ugoki::control {
@@ -109,7 +111,7 @@ class MotionControl {
   ControlOptions options_;
   /// Sets supports_ to the contacts that can bear load: planted in the reference and closed in the present state.
   void find_supports(const ControlInput& input, const Vec3& shift);
-  /// Replaces the wanted accelerations of the joints without a drive (effort 0) by those that their springs and dampers will cause, and
+  /// Replaces the wanted accelerations of the joints without a drive (effort 0) and outside of loops by those that their springs and dampers will cause, and
   /// recomputes the torques. The other joints keep their wanted accelerations.
   void predict_undriven(const ControlInput& input, std::span<double> tau);
   /// Free fall: the part of the weight that the ground does not carry accelerates the body. Recomputes torques, reduces the missing wrench.
@@ -142,7 +144,8 @@ class MotionControl {
   double lost_ = 0;             // 0: follows the reference; 1: has lost it, so that all contacts bear load
   std::vector<double> wanted_;  // [nv] accelerations, m/s^2 | rad/s^2
   std::vector<double> displacement_;
-  std::vector<int> undriven_;              // velocity indices of the joint DOFs without a drive
+  LoopDrives loop_drives_;
+  std::vector<int> undriven_;              // velocity indices of the joint DOFs without a drive that no loop moves
   std::vector<double> extra_, response_;   // [nv] scratch memory of predict_undriven(); empty if all joints have drives
   std::vector<unsigned char> bears_load_;  // [nv] 1: DOF on the chain between a support and the root
   std::vector<Support> supports_;

@@ -23,6 +23,7 @@ using json::Fields;
 using json::Json;
 
 constexpr double max_still = 3600;                 // s: maximum duration of a still motion
+constexpr std::size_t max_loops = 1000;            // loops that one recipe adds
 constexpr std::size_t max_depth = 100;             // recipes that use each other
 constexpr std::string_view body_suffix = "-body";  // id of the body of a measured motion: that of the motion and this
 
@@ -133,7 +134,8 @@ class Recipes {
     return made->mechanism;
   }
 
-  /// The link `to` of a second mechanism becomes a child of the link `at` of the first one.
+  /// The link `to` of a second mechanism becomes a child of the link `at` of the first one. `loops` are added, in the form of the file of
+  /// a mechanism: the feet of a cyclist on the pedals.
   Result<MechanismPtr> combined(Fields& f) {
     std::string first, second, type = "fixed";
     CombineOptions options;
@@ -150,6 +152,7 @@ class Recipes {
     if (type != "fixed" && type != "spherical")
       f.report(ErrorCode::range, f.path("joint"), "It must be fixed or spherical.", "fixed is a weld.");
     options.joint.type = type == "fixed" ? JointType::fixed : JointType::spherical;
+    const Json* loops = f.list("loops", max_loops, "loops");
     f.refuse_others();
     if (!f.problems().empty()) return fail(f.problems());
     const Result<MechanismPtr> a = mechanism(first);
@@ -158,7 +161,11 @@ class Recipes {
     if (!b) return b;
     Result<Combined> made = combine(**a, **b, options);
     if (!made) return fail(std::move(made.error()));
-    return made->mechanism;
+    if (loops == nullptr || loops->empty()) return made->mechanism;
+    Result<Json> whole = json::parse_json(formats::write_mechanism(*made->mechanism), f.path());
+    if (!whole) return fail(std::move(whole.error()));
+    for (const Json& loop : *loops) (*whole)["loops"].push_back(loop);
+    return formats::read_mechanism(json::to_text(*whole), f.path());
   }
 
   /// Reads a measured motion: a file of any format for skeletons, as text.

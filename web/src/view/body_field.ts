@@ -101,6 +101,16 @@ export function is_body(mechanism: MechanismData): boolean {
   return solid.length >= 8 && 2 * named >= solid.length && solid.every((l) => l.shapes.every((s) => s.type !== 'mesh' && s.type !== 'height_field'));
 }
 
+/**
+ * For each link, whether it is a part of a body: it or a link that carries it has the label of a part of the anatomy. A bicycle that carries
+ * a person is no part of a body; a sword in a hand is.
+ */
+export function parts_of_body(mechanism: MechanismData): boolean[] {
+  const parts: boolean[] = [];
+  for (const { label, parent } of mechanism.links) parts.push(Boolean(label) || (parts[parent] ?? false));
+  return parts;
+}
+
 const spread_leg = 0.16; // rad, 9 degrees: thighs of the bind pose do not touch each other
 const spread_arm = 0.7; // rad, 40 degrees: hanging arms of the bind pose do not touch the trunk
 
@@ -147,7 +157,9 @@ export class BodyField {
 
   constructor(mechanism: MechanismData, readonly bind: readonly THREE.Matrix4[]) {
     const by_index = new Map<number, FieldLink>();
+    const of_body = parts_of_body(mechanism);
     mechanism.links.forEach((link, index) => {
+      if (!of_body[index]) return;
       const parts = link.shapes.map((s) => part_of(s, bind[index]!)).filter((p) => p !== null);
       if (parts.length === 0) return;
       const centre = parts.reduce((sum, p) => sum.add(p.centre), new THREE.Vector3()).divideScalar(parts.length);

@@ -5,6 +5,7 @@ import { mergeGeometries, mergeVertices } from 'three/examples/jsm/utils/BufferG
 import type { Frame, CharacterFrame } from '../core/frames';
 import type { Material } from '../core/look';
 import type { LinkData, MechanismData, ShapeData } from '../core/protocol';
+import { parts_of_body } from './body_field';
 import { BodySkin, body_surface, hidden_layer, LinkBones, type Glow } from './body_view';
 import type { BodySurface } from './body_surface';
 import { surface_geometry, type Surfaces } from './surfaces';
@@ -68,7 +69,7 @@ export const glows: Record<Emphasis, Glow> = { none: [0, 0], hover: [0.09, 0], s
 
 /**
  * The three.js object that shows a character: a group with one mesh for each link, and for a body its smooth surface, which is drawn instead
- * of the link meshes. Geometries are shared and not owned.
+ * of the meshes of the links that are parts of the body. Geometries are shared and not owned.
  */
 export class CharacterView {
   readonly group = new THREE.Group();
@@ -113,10 +114,8 @@ export class CharacterView {
       this.group.add(mesh);
       return mesh;
     });
-    if (this.skin) {
-      this.group.add(this.skin.mesh);
-      for (const mesh of this.links) mesh?.layers.set(hidden_layer);
-    }
+    if (this.skin) this.group.add(this.skin.mesh);
+    this.hide_links(this.skin !== null);
     this.place_neutral();
   }
 
@@ -124,7 +123,13 @@ export class CharacterView {
   show_shapes(on: boolean): void {
     if (!this.skin || this.skin.mesh.visible === !on) return;
     this.skin.mesh.visible = !on;
-    for (const mesh of this.links) mesh?.layers.set(on ? 0 : hidden_layer);
+    this.hide_links(!on);
+  }
+
+  /** Hides the links that the smooth surface shows, or shows them again. */
+  private hide_links(on: boolean): void {
+    const of_body = parts_of_body(this.mechanism);
+    this.links.forEach((mesh, i) => mesh?.layers.set(on && of_body[i] ? hidden_layer : 0));
   }
 
   /** Colour and surface of the character. @param environment what metal reflects; null: nothing */

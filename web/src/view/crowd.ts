@@ -8,7 +8,7 @@ import type { MechanismData } from '../core/protocol';
 import { body_surface } from './body_view';
 import { CrowdMember } from './crowd_member';
 import { crowd_depth, crowd_material, texel_row } from './crowd_shader';
-import { rigid_surface, skinned_surface, type CrowdSurface } from './crowd_surface';
+import { body_and_machine, rigid_surface, type CrowdSurface } from './crowd_surface';
 
 const first_capacity = 8;
 
@@ -160,7 +160,7 @@ export class Crowd {
     let surfaces = this.surfaces.get(mechanism);
     if (!surfaces) {
       const body = body_surface(mechanism);
-      surfaces = { body: body && skinned_surface(body), shapes: rigid_surface(mechanism, member.geometries) };
+      surfaces = { body: body && body_and_machine(body, mechanism, member.geometries), shapes: rigid_surface(mechanism, member.geometries) };
       this.surfaces.set(mechanism, surfaces);
     }
     return this.shapes ? surfaces.shapes : (surfaces.body ?? surfaces.shapes);

@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { MechanismData } from '../core/protocol';
+import { parts_of_body } from './body_field';
 import type { BodySurface, IndexRange } from './body_surface';
 
 export interface CrowdSurface {
@@ -16,7 +17,7 @@ export interface CrowdSurface {
 }
 
 /** The smooth surface of a body. */
-export function skinned_surface({ geometry, shown, shadow, inverses }: BodySurface): CrowdSurface {
+function skinned_surface({ geometry, shown, shadow, inverses }: BodySurface): CrowdSurface {
   const parts = inverses.map((matrix) => {
     const [position, rotation] = [new THREE.Vector3(), new THREE.Quaternion()];
     matrix.decompose(position, rotation, new THREE.Vector3());
@@ -25,9 +26,32 @@ export function skinned_surface({ geometry, shown, shadow, inverses }: BodySurfa
   return { geometry, links: inverses.length, inverses: parts, shown, shadow };
 }
 
-/** The shapes of all links as one geometry, each vertex of which follows its link. @param geometries of the links, in their frames */
-export function rigid_surface(mechanism: MechanismData, geometries: readonly (THREE.BufferGeometry | null)[]): CrowdSurface {
-  const parts = geometries.flatMap((geometry, link) => {
+/** The smooth surface of a body, and beside it the shapes of the links that are no parts of the body. @param geometries as in rigid_surface() */
+export function body_and_machine(body: BodySurface, mechanism: MechanismData, geometries: readonly (THREE.BufferGeometry | null)[]): CrowdSurface {
+  const of_body = parts_of_body(mechanism);
+  const skinned = skinned_surface(body);
+  const parts = link_parts(geometries.map((geometry, link) => (of_body[link] ? null : geometry)));
+  if (parts.length === 0) return skinned;
+  for (const part of parts) {
+    const bind = body.inverses[part.getAttribute('skinIndex').getX(0)]!.clone().invert();
+    for (const name of ['position', 'normal']) part.setAttribute(name, part.getAttribute(name).clone());
+    part.applyMatrix4(bind);
+  }
+  const smooth = new THREE.BufferGeometry();
+  for (const name of ['position', 'normal', 'skinIndex', 'skinWeight']) smooth.setAttribute(name, body.geometry.getAttribute(name));
+  smooth.setIndex([]);
+  const geometry = mergeGeometries([smooth, ...parts]);
+  const shapes = [...geometry.index!.array];
+  const smooth_index = ({ start, count }: IndexRange): number[] => [...body.geometry.index!.array.slice(start, start + count)];
+  const shown = [...smooth_index(body.shown), ...shapes];
+  const shadow = [...smooth_index(body.shadow), ...shapes];
+  geometry.setIndex(shown.concat(shadow));
+  return { ...skinned, geometry, shown: { start: 0, count: shown.length }, shadow: { start: shown.length, count: shadow.length } };
+}
+
+/** The shapes of each link as a geometry whose vertices follow the link; null entries are left out. */
+function link_parts(geometries: readonly (THREE.BufferGeometry | null)[]): THREE.BufferGeometry[] {
+  return geometries.flatMap((geometry, link) => {
     if (!geometry) return [];
     const { count } = geometry.getAttribute('position');
     const part = new THREE.BufferGeometry();
@@ -37,6 +61,11 @@ export function rigid_surface(mechanism: MechanismData, geometries: readonly (TH
     part.setAttribute('skinWeight', new THREE.BufferAttribute(Float32Array.from({ length: 4 * count }, (_, i) => (i % 4 === 0 ? 1 : 0)), 4));
     return [part];
   });
+}
+
+/** The shapes of all links as one geometry, each vertex of which follows its link. @param geometries of the links, in their frames */
+export function rigid_surface(mechanism: MechanismData, geometries: readonly (THREE.BufferGeometry | null)[]): CrowdSurface {
+  const parts = link_parts(geometries);
   const geometry = parts.length > 0 ? mergeGeometries(parts) : new THREE.BufferGeometry().setAttribute('position', new THREE.BufferAttribute(new Float32Array(0), 3)).setIndex([]);
   const all = { start: 0, count: geometry.index?.count ?? 0 };
   return { geometry, links: mechanism.links.length, inverses: null, shown: all, shadow: all };
