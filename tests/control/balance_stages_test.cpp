@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <random>
 
 #include "balance_scene.h"
 #include "ugoki/control/ground_plan.h"
 #include "ugoki/control/leg_posture.h"
 #include "ugoki/control/reference_anchor.h"
+#include "ugoki/control/swing_path.h"
 #include "ugoki/motion/clip.h"
 #include "ugoki/spatial/elementary.h"
 
@@ -337,21 +339,45 @@ TEST(LegPosture, ReachesHighAndSlopingGroundAndKeepsTheOtherLeg) {
   EXPECT_LT(norm(at(1) * model.feet[1].sole - model.reference_sole(1)), 1e-9);
 }
 
-TEST(GroundPlan, PathMeetsBothPlacesAndItsRateIsItsDerivative) {
+TEST(SwingPath, MeetsBothPlacesAndItsRateIsItsDerivative) {
   BalanceState::FootState foot;
   foot.from[2] = 0.2;
   foot.to[0] = 0.6;
   foot.to[1] = 0.2;
   foot.to[2] = 0.35;
   foot.bump = 0.1;
-  EXPECT_NEAR(GroundPlan::path(foot, {0, 0, 9}, {}, 0.5).height, 0.2, 1e-12);
-  EXPECT_NEAR(GroundPlan::path(foot, {0.6, 0.2, 9}, {}, 0.5).height, 0.35, 1e-12);
-  EXPECT_NEAR(GroundPlan::path(foot, {0.3, 0.1, 9}, {}, 0.5).height, 0.275 + 0.1, 1e-12);
+  foot.sharp[1] = 3.5;
+  EXPECT_NEAR(swing_path(foot, {0, 0, 9}, {}, 0.5).height, 0.2, 1e-12);
+  EXPECT_NEAR(swing_path(foot, {0.6, 0.2, 9}, {}, 0.5).height, 0.35, 1e-12);
+  EXPECT_NEAR(swing_path(foot, {0.3, 0.1, 9}, {}, 0.5).height, 0.275 + 0.1, 1e-12);
   const Vec3 v{0.7, -0.2, 0};  // m/s
   constexpr double h = 1e-6;   // s
   for (const Vec3& p : {Vec3{0.1, 0, 0}, Vec3{0.35, 0.2, 0}, Vec3{0.5, 0.1, 0}}) {
-    const double change = GroundPlan::path(foot, p + v * h, v, 0).height - GroundPlan::path(foot, p - v * h, v, 0).height;
-    EXPECT_NEAR(GroundPlan::path(foot, p, v, 0).rate, change / (2 * h), 1e-6);
+    const double change = swing_path(foot, p + v * h, v, 0).height - swing_path(foot, p - v * h, v, 0).height;
+    EXPECT_NEAR(swing_path(foot, p, v, 0).rate, change / (2 * h), 1e-6);
+  }
+}
+
+TEST(SwingPath, HumpIsOverAllObstaclesAndNotMuchHigher) {
+  std::mt19937_64 engine(7);
+  std::uniform_real_distribution<double> u(-0.1, 0.2);
+  for (int trial = 0; trial < 300; ++trial) {
+    std::array<double, Hump::samples> needed{};
+    for (double& n : needed) n = u(engine);
+    if (trial == 0) needed = {0.1, 0.1, 0, 0, 0, 0, 0};  // a riser just ahead of the foot
+    if (trial == 1) needed = {};
+    const Hump hump = hump_over(needed);
+    BalanceState::FootState foot;  // a way of 1 m on level ground
+    foot.to[0] = 1;
+    foot.bump = hump.height;
+    for (int k = 0; k < 2; ++k) foot.sharp[k] = hump.sharp[k];
+    double highest = 0;
+    for (std::size_t k = 0; k < Hump::samples; ++k) {
+      EXPECT_GE(swing_path(foot, {Hump::place(k), 0, 0}, {}, 0).height, needed[k] - 1e-12);
+      highest = std::max(highest, needed[k]);
+    }
+    EXPECT_LE(hump.height, 1.25 * highest) << "trial " << trial;  // 1 - 0.75^12 = 0.97 at the first sample
+    EXPECT_EQ(swing_path(foot, {0, 0, 0}, {}, 0).height, 0);
   }
 }
 

@@ -134,6 +134,7 @@ void BalanceModel::lift(std::size_t f, BalanceState& state) const {
     foot.tilt[k] = state.tilt[k];
   }
   foot.bump = 0;
+  foot.sharp[0] = foot.sharp[1] = 1;
 }
 
 }  // namespace ugoki::control

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ugoki/control/ground_plan.h"
 #include "ugoki/control/hang_plan.h"
+#include "ugoki/control/swing_path.h"
 #include "ugoki/dynamics/jacobian.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/spatial/elementary.h"
@@ -88,7 +88,7 @@ void add_swing_task(const BalanceModel& model, std::size_t f, const BalanceState
   const Vec3 v_ref = dynamics::point_velocity(model.ref, foot.link, p_ref);
   Vec3 speed = v_ref + (shift - offset) * s.rate;
   // The height of the foot above the ground is that of the reference.
-  const GroundPlan::Path ground = GroundPlan::path(memory, goal, speed, phase);
+  const SwingPath ground = swing_path(memory, goal, speed, phase);
   goal.z += ground.height - model.floor - state.z + state.lower;
   speed.z += ground.rate;
   a += (shift - offset) * s.acceleration;

@@ -104,7 +104,8 @@ struct BalanceState {
     double from[3] = {0, 0, 0};    ///< m, world: where the foot left the ground; z: height of the ground there
     double to[3] = {0, 0, 0};      ///< m, world: foothold; z: height of the ground there
     double tilt[2] = {0, 0};       ///< slope of the ground at the foothold: rise per length along the x and y axes of the world
-    double bump = 0;               ///< m: height of the path of the foot above the line between both places, in the middle of the swing
+    double bump = 0;               ///< m: height of the path of the foot above the line between both places, in the middle of the way
+    double sharp[2] = {1, 1};      ///< shape of this height in both halves of the way (swing_path.h)
   };
   std::uint64_t started = 0;
   double time = 0;                   ///< s: time of the reference

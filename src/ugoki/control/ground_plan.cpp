@@ -15,7 +15,6 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr double max_slope = 0.4;  // rise per length: a steeper foothold counts as an edge, and the foot lands level
-constexpr double min_way = 0.05;   // m: for a shorter step, the height of the path follows the phase of the swing
 
 /// Phase of a swing from 0 to 1. A foot that lands late, or never, has the phase 1.
 double swing_phase(const BalanceModel& model, const BalanceState& state, std::size_t f) {
@@ -204,33 +203,26 @@ void GroundPlan::update_foot(const BalanceModel& model, std::size_t f, double dt
   // The path rises above the ground between both places. The sole covers some ground ahead and behind.
   const Vec3 from{foot.from[0], foot.from[1], 0}, way = to - from;
   const double distance = norm(way);
-  double bump = 0, rough = 0;
+  double rough = 0;
+  Hump hump;
   if (distance > min_way) {
     const Vec3 reach = way * (norm(half_[f][0]) / distance);
-    constexpr int samples = 7;
-    for (int k = 1; k <= samples; ++k) {
-      const double s = static_cast<double>(k) / (samples + 1);
+    std::array<double, Hump::samples> needed{};
+    for (std::size_t k = 0; k < Hump::samples; ++k) {
+      const double s = Hump::place(k);
       const double line = foot.from[2] + (foot.to[2] - foot.from[2]) * smooth_step(s).value;
       const double straight = foot.from[2] + (foot.to[2] - foot.from[2]) * s;
       for (const double side : {-1.0, 0.0, 1.0}) {
         const double height = model.map_height(state, from + way * s + reach * side) + state.loose;
-        bump = std::max(bump, (height - line) / (4 * s * (1 - s)));
+        needed[k] = std::max(needed[k], height - line);
         rough = std::max(rough, std::fabs(height - straight));
       }
     }
+    hump = hump_over(needed);
   }
-  bump = std::min(bump, model.max_step(state)) + std::min(rough, o.rough_clearance);
+  const double bump = std::min(hump.height, model.max_step(state)) + std::min(rough, o.rough_clearance);
   foot.bump += (bump - foot.bump) * share;
-}
-
-GroundPlan::Path GroundPlan::path(const BalanceState::FootState& foot, const Vec3& p, const Vec3& v, double phase) {
-  const Vec3 from{foot.from[0], foot.from[1], 0}, way = Vec3{foot.to[0], foot.to[1], 0} - from;
-  const double square = dot(way, way);
-  const double s = square > min_way * min_way ? std::clamp(dot(horizontal(p) - from, way) / square, 0.0, 1.0) : smooth_step(phase).value;
-  const double rate = square > min_way * min_way && s > 0 && s < 1 ? dot(v, way) / square : 0;
-  const SmoothStep line = smooth_step(s);
-  const double rise = foot.to[2] - foot.from[2];
-  return {foot.from[2] + rise * line.value + foot.bump * 4 * s * (1 - s), (rise * line.rate + foot.bump * 4 * (1 - 2 * s)) * rate};
+  for (int k = 0; k < 2; ++k) foot.sharp[k] += (hump.sharp[k] - foot.sharp[k]) * share;
 }
 
 }  // namespace ugoki::control

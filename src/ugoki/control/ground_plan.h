@@ -5,6 +5,7 @@
 
 #include "ugoki/control/balance_model.h"
 #include "ugoki/control/ground_support.h"
+#include "ugoki/control/swing_path.h"
 
 namespace ugoki::control {
 
@@ -17,14 +18,6 @@ class GroundPlan {
   void update(const BalanceModel& model, const GroundSupport& support, double dt, BalanceState& state);
   /// m/s: vertical velocity with which the reference is displaced, besides the motion along the slope.
   [[nodiscard]] double climb() const { return climb_; }
-
-  /// Ground below a swing foot: a smooth line from the place that the foot left to its foothold, above all obstacles.
-  struct Path {
-    double height = 0;  ///< m, world
-    double rate = 0;    ///< m/s
-  };
-  /// @param p, v m, m/s, world: position and velocity of the sole @param phase 0 to 1: phase of the swing
-  [[nodiscard]] static Path path(const BalanceState::FootState& foot, const Vec3& p, const Vec3& v, double phase);
 
  private:
   /// A plane fitted to heights of the ground.
