@@ -14,8 +14,8 @@ namespace {
 
 constexpr int standing_frames = 60, lying_frames = 60;
 
-/// A dog with legs of 0.46 m that stands and then lies with folded legs. While it lies, its trunk is `sunk` m below the level of the paws, as
-/// in recordings whose joints are too low.
+/// A dog with legs of 0.46 m that stands and then lies with folded legs. While it lies, its trunk is `sunk` m below the level of the paws,
+/// as in recordings whose joints are too low.
 MeasuredMotion lying_dog(double sunk) {
   MeasuredMotion m;
   m.name = "dog";
@@ -66,7 +66,8 @@ std::vector<double> lowest_points(const Body& body, const Motion& motion) {
     calc_poses(*body.mechanism, {motion.frame(f), static_cast<std::size_t>(motion.nq)}, X);
     double low = 1e300;
     for (std::size_t i = 0; i < X.size(); ++i)
-      for (const SupportPoint& p : support_points(body.mechanism->link(static_cast<int>(i)))) low = std::min(low, (X[i] * p.p).z - p.radius);
+      for (const SupportPoint& p : support_points(body.mechanism->link(static_cast<int>(i))))
+        low = std::min(low, (X[i] * p.p).z - p.radius);
     lows.push_back(low);
   }
   return lows;
@@ -83,6 +84,28 @@ TEST(AnimalFloor, IsTheLevelOfThePawsOfTheStandingAnimal) {
     for (int f = 0; f < standing_frames; ++f) highest = std::max(highest, lows[static_cast<std::size_t>(f)]);
     EXPECT_LT(highest, 0.02) << "a paw must touch the floor in every frame; sunk by " << sunk;
     EXPECT_GT(*std::ranges::min_element(lows.begin(), lows.begin() + standing_frames), -0.02);
+  }
+}
+
+TEST(AnimalFloor, ATailBelowThePawsDoesNotLiftTheAnimal) {
+  MeasuredMotion dog = lying_dog(-0.1);
+  dog.frames = standing_frames;
+  dog.translations.resize(static_cast<std::size_t>(dog.frames) * dog.skeleton.joints.size());
+  dog.rotations.resize(dog.translations.size());
+  for (SkeletonJoint& j : dog.skeleton.joints)
+    if (j.name == "Tail") j.end_sites = {{-0.1, 0, -0.52}};  // 6 cm below the paws
+  const auto body = make_body(dog);
+  ASSERT_TRUE(body) << body.error().text();
+  ASSERT_EQ(body->anatomy.plan, "four legs");
+  const Motion motion = to_motion(*body, dog);
+  std::vector<Pose> X(static_cast<std::size_t>(body->mechanism->link_count()));
+  calc_poses(*body->mechanism, {motion.frame(0), static_cast<std::size_t>(motion.nq)}, X);
+  for (std::size_t i = 0; i < X.size(); ++i) {
+    const Link& link = body->mechanism->link(static_cast<int>(i));
+    if (!link.label.starts_with("paw") && !link.label.starts_with("hock") && !link.label.starts_with("carpus")) continue;
+    double low = 1e300;
+    for (const SupportPoint& p : support_points(link)) low = std::min(low, (X[i] * p.p).z - p.radius);
+    EXPECT_NEAR(low, 0, 0.02) << link.label;
   }
 }
 

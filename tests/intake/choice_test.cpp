@@ -211,5 +211,32 @@ TEST(Takes, AnAnimalThatOtherTakesHideIsRecognisedInTheLongest) {
   EXPECT_TRUE(std::ranges::any_of(in->report, [](const std::string& s) { return s.find("longest motion") != std::string::npos; }));
 }
 
+/// The dog without names of parts, upright on its tail if `upright`.
+MeasuredMotion nameless_dog(int frames, bool upright) {
+  MeasuredMotion m = swaying_dog(frames, 0);
+  m.name = "motion";
+  const auto n = m.skeleton.joints.size();
+  for (std::size_t i = 0; i < n; ++i) m.skeleton.joints[i].name = "Bone" + std::to_string(i);
+  for (std::size_t f = 0; upright && f < static_cast<std::size_t>(frames); ++f) m.rotations[f * n] = axis_angle({0, 1, 0}, -0.5 * pi);
+  return m;
+}
+
+TEST(Takes, AnAnimalThatIsUprightInOtherTakesIsRecognisedInTheLongest) {
+  const std::vector<std::byte> level = formats::write_glb(nameless_dog(90, false)), upright = formats::write_glb(nameless_dog(85, true));
+  const auto alone = take_in(with_all_takes({upright}), "upright.glb");
+  ASSERT_TRUE(alone) << alone.error().text();
+  ASSERT_EQ(alone->body->anatomy.plan, "human");
+  const auto in = take_in(with_all_takes({level, upright, upright, upright, upright}), "takes.glb");
+  ASSERT_TRUE(in) << in.error().text();
+  EXPECT_EQ(in->body->anatomy.plan, "four legs");
+  // A file of this name contains an animal also if it is upright in the longest take.
+  const std::vector<std::byte> longer = formats::write_glb(nameless_dog(95, true));
+  for (const auto& [name, plan] : {std::pair{"dog.glb", "four legs"}, {"takes.glb", "human"}}) {
+    const auto named = take_in(with_all_takes({level, level, level, level, longer}), name);
+    ASSERT_TRUE(named) << named.error().text();
+    EXPECT_EQ(named->body->anatomy.plan, plan) << name;
+  }
+}
+
 }  // namespace
 }  // namespace ugoki::intake

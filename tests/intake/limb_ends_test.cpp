@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <tuple>
 
@@ -53,6 +54,53 @@ std::vector<Bone> horse(bool names) {
       b.push_back({names ? "lo_" + s : "Bone" + std::to_string(upper + 1), upper, {0, 0, -0.5}, {0, 0, -0.6}});
     }
   return b;
+}
+
+TEST(LimbEnds, LimbsOfTwoBonesOnJointsThatDoNotTurnAreComplete) {
+  // Hips and shoulders at the place of their parent are merged with it; feet are then added, so that the limbs keep three sections.
+  std::vector<Bone> bones = {{"Torso", -1, {0, 0, 0.8}, {}},
+                             {"Chest", 0, {0.7, 0, 0}, {}},
+                             {"Neck", 1, {0.2, 0, 0.2}, {}},
+                             {"Head", 2, {0.3, 0, 0.3}, {0.4, 0, -0.2}},
+                             {"Tail", 0, {-0.2, 0, 0.1}, {-0.3, 0, -0.4}}};
+  for (const bool fore : {true, false})
+    for (const auto& [side, y] : {std::pair(std::string(".L"), 0.2), {".R", -0.2}}) {
+      const int girdle = static_cast<int>(bones.size());
+      bones.push_back({(fore ? "Shoulder" : "Hip") + side, fore ? 1 : 0, {}, {}});
+      bones.push_back({(fore ? "Bicep" : "Thigh") + side, girdle, {0, y, -0.1}, {}});
+      bones.push_back({(fore ? "Forearm" : "Shin") + side, girdle + 1, {0, 0, -0.35}, {0, 0, -0.35}});
+    }
+  std::vector<MeasuredMotion> motions = {moving(bones)};
+  for (std::size_t f = 0, n = bones.size(); f < static_cast<std::size_t>(motions[0].frames); ++f)
+    for (std::size_t i = 0; i < n; ++i)
+      if (bones[i].name.starts_with("Shoulder") || bones[i].name.starts_with("Hip")) motions[0].rotations[f * n + i] = {};
+  std::vector<std::string> report;
+  const body::Character c = arrange(motions, report);
+  EXPECT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not;
+  for (const SkeletonJoint& j : motions[0].skeleton.joints) EXPECT_FALSE(j.name.starts_with("Hip")) << "not merged";
+  for (const auto* limbs : {&c.legs, &c.arms})
+    for (const body::Limb& l : *limbs) EXPECT_GE(l.end, 0);
+}
+
+TEST(LimbEnds, EndsFromTheMeshStayOnARecognisedAnimal) {
+  std::vector<Bone> bones = {{"Torso", -1, {0, 0, 0.8}, {}},
+                             {"Chest", 0, {0.7, 0, 0}, {}},
+                             {"Neck", 1, {0.2, 0, 0.2}, {}},
+                             {"Head", 2, {0.3, 0, 0.3}, {0.4, 0, -0.2}},
+                             {"Tail", 0, {-0.2, 0, 0.1}, {-0.3, 0, -0.4}}};
+  for (const bool fore : {true, false})
+    for (const auto& [side, y] : {std::pair(std::string(".L"), 0.2), {".R", -0.2}}) {
+      const int upper = static_cast<int>(bones.size());
+      bones.push_back({(fore ? "FrontUpperLeg" : "BackUpperLeg") + side, fore ? 1 : 0, {0, y, -0.1}, {}});
+      bones.push_back({(fore ? "FrontLowerLeg" : "BackLowerLeg") + side, upper, {0, 0, -0.35}, {}});
+      bones.push_back({(fore ? "FrontPaw" : "BackPaw") + side, upper + 1, {0, 0, -0.3}, {0.05, 0, -0.05}});
+    }
+  std::vector<MeasuredMotion> motions = {moving(bones)};
+  std::vector<std::string> report;
+  ASSERT_EQ(arrange(motions, report, nullptr, true).plan, body::BodyPlan::four_legs);
+  EXPECT_TRUE(report.empty());
+  for (const SkeletonJoint& j : motions[0].skeleton.joints)
+    EXPECT_EQ(j.end_sites.size(), j.name == "Head" || j.name == "Tail" || j.name.find("Paw") != std::string::npos ? 1U : 0U) << j.name;
 }
 
 TEST(LimbEnds, AHorseOfTwoBonesForEachLegIsFourLegged) {

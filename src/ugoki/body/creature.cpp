@@ -241,11 +241,19 @@ class Maker {
       ends.push_back(e);
     }
     if (ends.empty()) return;
-    // The floor is the level that the lowest of all shapes reaches in a tenth of the frames.
+    // The floor is the level that the lowest of all shapes reaches in a tenth of the frames. A four-legged animal stands on its paws: its
+    // tail or head may be measured below them.
+    const auto is_paw = [&](int i) {
+      const Part own = part(i).part;
+      return own == Part::foot || own == Part::toes || own == Part::hand || own == Part::fingers;
+    };
+    bool has_paws = false;
+    for (int i = 0; i < n_; ++i) has_paws = has_paws || (is_paw(i) && !link(i).shapes.empty());
     double floor = 1e300;
     std::vector<double> lows;
     for (int i = 0; i < n_; ++i)
-      for (const Shape& s : link(i).shapes)
+      for (const Shape& s : link(i).shapes) {
+        if (four_legs() && has_paws && !is_paw(i)) continue;
         for (const double end : {-1.0, 1.0}) {
           const Vec3 p = s.X_BS * Vec3{0, 0, end * s.half_length};
           lows.clear();
@@ -254,6 +262,7 @@ class Maker {
           std::nth_element(lows.begin(), low, lows.end());
           floor = std::min(floor, *low);
         }
+      }
     floor_ = floor;
     for (const End& e : ends) {
       const double gap = e.level - e.radius - floor;

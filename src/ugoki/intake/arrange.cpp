@@ -1,6 +1,8 @@
 #include "ugoki/intake/arrange.h"
 
 #include <algorithm>
+#include <map>
+#include <optional>
 
 #include "ugoki/base/number.h"
 #include "ugoki/body/joint_names.h"
@@ -326,8 +328,25 @@ std::vector<std::string> merge_rigid_joints(std::span<MeasuredMotion> motions) {
   return names;
 }
 
-body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
-                        bool mesh_ends) {
+namespace {
+
+/// Gives joints without end sites those of the joints of the same name in `with_ends`. @return true if any joint got ends
+bool restore_ends(std::span<MeasuredMotion> motions, const Skeleton& with_ends) {
+  std::map<std::string, std::vector<const SkeletonJoint*>> named;
+  for (const SkeletonJoint& j : with_ends.joints) named[j.name].push_back(&j);
+  bool any = false;
+  for (MeasuredMotion& m : motions)
+    for (SkeletonJoint& j : m.skeleton.joints) {
+      const auto found = named.find(j.name);
+      if (!j.end_sites.empty() || found == named.end() || found->second.size() != 1) continue;
+      j.end_sites = found->second[0]->end_sites;
+      any = any || !j.end_sites.empty();
+    }
+  return any;
+}
+
+body::Character arrange_joints(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
+                               bool mesh_ends) {
   const MeasuredMotion* longest = &motions[0];
   for (const MeasuredMotion& m : motions)
     if (m.frames > longest->frames) longest = &m;
@@ -444,14 +463,26 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
     }
   }
   // The trunk of an animal is divided among its joints, so joints without a bone and without movement would take mass from the others.
-  const auto merged = [&] {
-    if (character.plan != body::BodyPlan::four_legs || mapping) return false;
-    const std::vector<std::string> joints = merge_rigid_joints(motions);
-    if (!joints.empty())
-      report.push_back("Joints at the place of their parent that do not turn were merged with it: " + list_of(joints) + ".");
-    return !joints.empty();
+  // The merged limbs can lack a section; then ends are added, or the joints stay.
+  const auto merged = [&]() -> std::optional<body::Character> {
+    if (character.plan != body::BodyPlan::four_legs || mapping) return std::nullopt;
+    std::vector<MeasuredMotion> fewer(motions.begin(), motions.end());
+    const std::vector<std::string> joints = merge_rigid_joints(fewer);
+    if (joints.empty()) return std::nullopt;
+    body::Character again = body::recognise_character(fewer[index]);
+    std::vector<std::string> ends;
+    if (again.plan != body::BodyPlan::four_legs) {
+      ends = add_limb_ends(fewer);
+      again = body::recognise_character(fewer[index]);
+    }
+    if (again.plan != body::BodyPlan::four_legs) return std::nullopt;
+    std::ranges::move(fewer, motions.begin());
+    report.push_back("Joints at the place of their parent that do not turn were merged with it: " + list_of(joints) + ".");
+    if (!ends.empty())
+      report.push_back("Joints that do not turn were added at the ends of limbs with one or two bones: " + list_of(ends) + ".");
+    return again;
   };
-  if (carriers.empty() && strangers.empty()) return merged() ? body::recognise_character(*longest, mapping) : character;
+  if (carriers.empty() && strangers.empty()) return merged().value_or(character);
   const std::string root_name = s.joints[at(root)].name;
   for (MeasuredMotion& m : motions) {
     keep_joints(m, keep);
@@ -461,8 +492,27 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
     report.push_back("Joint " + list_of(carriers) + " only carries " + root_name + "; it is left out, and its movement was added to " +
                      root_name + ".");
   if (!strangers.empty()) report.push_back("Joints that are not part of the character were left out: " + list_of(strangers) + ".");
-  merged();
+  if (std::optional<body::Character> fewer = merged()) return *fewer;
   return body::recognise_character(*longest, mapping);
+}
+
+}  // namespace
+
+body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
+                        bool mesh_ends) {
+  Skeleton with_ends;
+  if (mesh_ends) with_ends = motions[0].skeleton;
+  body::Character character = arrange_joints(motions, report, mapping, mesh_ends);
+  // Paws, head and tail of an animal reach to the ends of their bones, as in a file that contains these ends.
+  if (!mesh_ends || character.plan != body::BodyPlan::four_legs) return character;
+  std::vector<MeasuredMotion> ended(motions.begin(), motions.end());
+  if (std::ranges::any_of(report, [](const std::string& r) { return r.starts_with("The skeleton was re-rooted"); })) return character;
+  if (!restore_ends(ended, with_ends)) return character;
+  const auto longest = std::ranges::max_element(ended, {}, &MeasuredMotion::frames);
+  body::Character again = body::recognise_character(*longest, mapping);
+  if (again.plan != body::BodyPlan::four_legs) return character;
+  std::ranges::move(ended, motions.begin());
+  return again;
 }
 
 }  // namespace ugoki::intake

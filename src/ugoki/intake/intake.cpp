@@ -229,6 +229,10 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   const Result<std::optional<SpeciesMass>> species = species_of(motions, options, std::string(file_name));
   if (!species) return fail(species.error());
   body::Character character = arrange(motions, notes.remarks, mapping, mesh_ends);
+  // An animal that is upright in its longest motion (a jump, a dance) is one by its name and the other motions.
+  if (*species && !mapping && character.plan == body::BodyPlan::human && motions.size() > 1)
+    if (body::Character animal = body::recognise_character(joined(motions)); animal.plan == body::BodyPlan::four_legs)
+      character = std::move(animal);
   if (mapping && character.plan == body::BodyPlan::other && mapping->plan != "other")
     return fail(ErrorCode::structure, "mapping", "The mapping does not give a body: " + character.why_not,
                 "Correct the joints of its limbs.");
@@ -271,8 +275,9 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   body_options.mapping = mapping;
   const MeasuredMotion all = motions.size() == 1 ? motions[0] : joined(motions);
   Result<body::Body> body = body::make_body(all, body_options);
-  // Jumps and rolls in other motions of the file can hide limbs that are clear in the longest motion.
-  if (body && !mapping && character.plan != body::BodyPlan::other && !body->human && body->anatomy.plan != "four legs") {
+  // Jumps, rolls and falls in other motions of the file can hide limbs that are clear in the longest motion, or raise an animal's trunk.
+  if (body && !mapping && character.plan != body::BodyPlan::other &&
+      body->anatomy.plan != (character.plan == body::BodyPlan::human ? "human" : "four legs")) {
     const body::AnatomyMapping found = body::mapping_of(character, motions[0].skeleton);
     body::BodyOptions as_found = body_options;
     as_found.mapping = &found;
