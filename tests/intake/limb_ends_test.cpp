@@ -82,7 +82,7 @@ TEST(LimbEnds, LimbsOfTwoBonesOnJointsThatDoNotTurnAreComplete) {
     for (const body::Limb& l : *limbs) EXPECT_GE(l.end, 0);
 }
 
-TEST(LimbEnds, EndsFromTheMeshStayOnARecognisedAnimal) {
+TEST(LimbEnds, EndsFromTheMeshStayOnThePawsOfARecognisedAnimal) {
   std::vector<Bone> bones = {{"Torso", -1, {0, 0, 0.8}, {}},
                              {"Chest", 0, {0.7, 0, 0}, {}},
                              {"Neck", 1, {0.2, 0, 0.2}, {}},
@@ -93,14 +93,15 @@ TEST(LimbEnds, EndsFromTheMeshStayOnARecognisedAnimal) {
       const int upper = static_cast<int>(bones.size());
       bones.push_back({(fore ? "FrontUpperLeg" : "BackUpperLeg") + side, fore ? 1 : 0, {0, y, -0.1}, {}});
       bones.push_back({(fore ? "FrontLowerLeg" : "BackLowerLeg") + side, upper, {0, 0, -0.35}, {}});
-      bones.push_back({(fore ? "FrontPaw" : "BackPaw") + side, upper + 1, {0, 0, -0.3}, {0.05, 0, -0.05}});
+      bones.push_back({(fore ? "FrontPaw" : "BackPaw") + side, upper + 1, {0, 0, -0.3}, {!fore && y > 0 ? 0.1 : 0.05, 0, -0.05}});
     }
   std::vector<MeasuredMotion> motions = {moving(bones)};
   std::vector<std::string> report;
   ASSERT_EQ(arrange(motions, report, nullptr, true).plan, body::BodyPlan::four_legs);
   EXPECT_TRUE(report.empty());
+  // Heads may end in antlers. The end of the left hind paw is not that of the right one.
   for (const SkeletonJoint& j : motions[0].skeleton.joints)
-    EXPECT_EQ(j.end_sites.size(), j.name == "Head" || j.name == "Tail" || j.name.find("Paw") != std::string::npos ? 1U : 0U) << j.name;
+    EXPECT_EQ(j.end_sites.size(), j.name.starts_with("FrontPaw") ? 1U : 0U) << j.name;
 }
 
 TEST(LimbEnds, AHorseOfTwoBonesForEachLegIsFourLegged) {

@@ -1,7 +1,8 @@
 #include "ugoki/intake/arrange.h"
 
 #include <algorithm>
-#include <map>
+#include <array>
+#include <cmath>
 #include <optional>
 
 #include "ugoki/base/number.h"
@@ -330,18 +331,34 @@ std::vector<std::string> merge_rigid_joints(std::span<MeasuredMotion> motions) {
 
 namespace {
 
-/// Gives joints without end sites those of the joints of the same name in `with_ends`. @return true if any joint got ends
-bool restore_ends(std::span<MeasuredMotion> motions, const Skeleton& with_ends) {
-  std::map<std::string, std::vector<const SkeletonJoint*>> named;
-  for (const SkeletonJoint& j : with_ends.joints) named[j.name].push_back(&j);
-  bool any = false;
-  for (MeasuredMotion& m : motions)
-    for (SkeletonJoint& j : m.skeleton.joints) {
-      const auto found = named.find(j.name);
-      if (!j.end_sites.empty() || found == named.end() || found->second.size() != 1) continue;
-      j.end_sites = found->second[0]->end_sites;
-      any = any || !j.end_sites.empty();
+/// Gives the ends of an animal's limbs, where they have no end sites, those of the joints of the same name in `with_ends`, if left and
+/// right are alike within 15 %. Meshes of heads reach to the ends of antlers and ears, which are no ends of bones. @return true if any
+/// joint got ends
+bool restore_ends(std::span<MeasuredMotion> motions, const Skeleton& with_ends, const body::Character& character) {
+  const auto ends_of = [&](int joint) {
+    const SkeletonJoint* found = nullptr;
+    for (const SkeletonJoint& j : with_ends.joints) {
+      if (joint < 0 || j.name != motions[0].skeleton.joints[at(joint)].name) continue;
+      if (found) return std::vector<Vec3>{};  // another joint has the same name
+      found = &j;
     }
+    return found && motions[0].skeleton.joints[at(joint)].end_sites.empty() ? found->end_sites : std::vector<Vec3>{};
+  };
+  bool any = false;
+  for (const auto* limbs : {&character.legs, &character.arms}) {
+    std::array<int, 2> joint{};
+    std::array<std::vector<Vec3>, 2> ends;
+    for (std::size_t k = 0; k < 2; ++k) {
+      joint[k] = (*limbs)[k].tip >= 0 ? (*limbs)[k].tip : (*limbs)[k].end;
+      ends[k] = ends_of(joint[k]);
+    }
+    if (ends[0].size() != 1 || ends[1].size() != 1) continue;
+    const double left = norm(ends[0][0]), right = norm(ends[1][0]);
+    if (std::fabs(left - right) > 0.15 * std::max(left, right)) continue;
+    any = true;
+    for (MeasuredMotion& m : motions)
+      for (std::size_t k = 0; k < 2; ++k) m.skeleton.joints[at(joint[k])].end_sites = ends[k];
+  }
   return any;
 }
 
@@ -503,11 +520,11 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
   Skeleton with_ends;
   if (mesh_ends) with_ends = motions[0].skeleton;
   body::Character character = arrange_joints(motions, report, mapping, mesh_ends);
-  // Paws, head and tail of an animal reach to the ends of their bones, as in a file that contains these ends.
+  // The paws of an animal reach to the ends of their bones, as in a file that contains these ends.
   if (!mesh_ends || character.plan != body::BodyPlan::four_legs) return character;
   std::vector<MeasuredMotion> ended(motions.begin(), motions.end());
   if (std::ranges::any_of(report, [](const std::string& r) { return r.starts_with("The skeleton was re-rooted"); })) return character;
-  if (!restore_ends(ended, with_ends)) return character;
+  if (!restore_ends(ended, with_ends, character)) return character;
   const auto longest = std::ranges::max_element(ended, {}, &MeasuredMotion::frames);
   body::Character again = body::recognise_character(*longest, mapping);
   if (again.plan != body::BodyPlan::four_legs) return character;
