@@ -97,3 +97,12 @@ def arm_keys(arm, prefix=""):
     x, y, z, elbow = arm
     return [{"link": f"{prefix}LeftArm", "keys": [{"time": 0, "value": [x, y, z]}]}, {"link": f"{prefix}RightArm", "keys": [{"time": 0, "value": [r(-x), y, r(-z)]}]},
             {"link": f"{prefix}LeftForeArm", "keys": [{"time": 0, "value": [elbow]}]}, {"link": f"{prefix}RightForeArm", "keys": [{"time": 0, "value": [elbow]}]}]
+
+
+def ball(thigh, knee, ankle):
+    """Position of the ball of the left foot in the frame of the pelvis. @param thigh, ankle rotation vectors @param knee angle"""
+    R, p = rotation(thigh), list(HIP)
+    p = add(p, apply(R, (0, 0, -THIGH)))
+    R = multiply(R, rotation([0, knee, 0]))
+    p = add(p, apply(R, (0, 0, -SHANK)))
+    return add(p, apply(multiply(R, rotation(ankle)), BALL))

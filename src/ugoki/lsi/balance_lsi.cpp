@@ -115,11 +115,33 @@ control::BalanceState begin_return(const Balance& self, std::span<const double> 
   return state;
 }
 
-/// Number of grips at a character.
-double count_grips(std::span<const EventRecord> grips, int character) {
+/// True if the link hangs from a driven body by a joint without a drive, such as a stirrup on its strap: it moves by itself and carries little.
+bool hangs_freely(const Character& character, int link) {
+  if (!character.track) return false;  // a passive object is carried as a whole
+  const Mechanism& m = *character.mechanism;
+  for (; link > 0; link = m.link(link).parent) {
+    const Link& l = m.link(link);
+    for (int k = 0; k < l.joint.nv(); ++k)
+      if (l.joint.type != JointType::floating && m.dof(l.v_index + k).effort == 0) return true;
+  }
+  return false;
+}
+
+/// True if the grip joins links that hang freely: it is neither a support nor a load.
+bool is_loose(const World& world, const EventRecord& e) {
+  const auto hangs = [&](int character, int link) {
+    return character >= 0 && hangs_freely(world.characters()[static_cast<std::size_t>(character)], link);
+  };
+  return hangs(static_cast<int>(e.character), e.link) || hangs(static_cast<int>(e.c.x), static_cast<int>(e.c.y));
+}
+
+/// Number of grips at a character that carry load.
+double count_grips(const World& world, std::span<const EventRecord> grips, int character) {
   double count = 0;
   for (const EventRecord& e : grips)
-    if (e.kind == EventKind::gripping && (static_cast<int>(e.character) == character || static_cast<int>(e.c.x) == character)) count += 1;
+    if (e.kind == EventKind::gripping && (static_cast<int>(e.character) == character || static_cast<int>(e.c.x) == character) &&
+        !is_loose(world, e))
+      count += 1;
   return std::max(1.0, count);
 }
 
@@ -130,7 +152,7 @@ void collect_held(Balance& self, std::span<const EventRecord> grips, const doubl
   for (const EventRecord& e : grips) {
     if (e.kind != EventKind::gripping || self.held.size() == control::BalanceInput::max_held) continue;
     const int gripping = static_cast<int>(e.character), gripped = static_cast<int>(e.c.x);
-    if (gripping == gripped || (gripping != own && gripped != own)) continue;
+    if (gripping == gripped || (gripping != own && gripped != own) || is_loose(*self.world, e)) continue;
     const bool grips_itself = gripping == own;
     control::HeldPoint h;
     h.link = grips_itself ? e.link : static_cast<int>(e.c.y);
@@ -143,7 +165,7 @@ void collect_held(Balance& self, std::span<const EventRecord> grips, const doubl
       const bool anchored = ws.link_chain[static_cast<std::size_t>(link)] < 0;
       // Passive objects are carried. Of two characters with drives, the heavier one carries the other.
       h.fixed = anchored || (c.track && c.mechanism->mass() > self.character->mechanism->mass());
-      if (!h.fixed) h.mass = c.mechanism->mass() / count_grips(grips, other);
+      if (!h.fixed) h.mass = c.mechanism->mass() / count_grips(*self.world, grips, other);
       if (!anchored) {
         dynamics::update_kinematics(*c.mechanism, q_of(c, state), v_of(c, state), ws);
         h.velocity = dynamics::point_velocity(ws, link, h.p);
