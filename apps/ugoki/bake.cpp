@@ -424,7 +424,7 @@ void add_bake_verb(Verb app, Action& action) {
   verb.add_option("--vary", o->vary,
                   "NAME=VALUE,VALUE or NAME=LOW:HIGH:COUNT; may be repeated. Names: push (N), push-angle (degrees), push-time, "
                   "push-duration, push-link, assist-limit, tracking, "
-                  "balance, friction, restitution, gravity, steps-per-s, a JSON pointer into the scenario, lsi:ID.PARAMETER")
+                  "balance, friction, restitution, gravity, steps-per-s, a JSON pointer into the scenario, lsi:ID.PARAMETER (in a nested circuit lsi:CIRCUIT/ID.PARAMETER)")
       .type_name("SPEC");
   verb.add_option("--random", o->random, "Draw this many runs for each target at random; ranges are NAME=LOW:HIGH")
       .check(range(1, 100'000'000));

@@ -50,7 +50,21 @@ Json value_json(const std::string& text) {
   return text;
 }
 
-/// Sets parameter PARAMETER of the LSI with the id ID in the circuit document.
+/// The LSI with the path `id` ("control", or "human/control" in a nested circuit); null: there is none.
+Json* find_lsi(Json& circuit, const std::string& id) {
+  const std::size_t slash = id.find('/');
+  if (!circuit.contains("lsis") || !circuit["lsis"].is_array()) return nullptr;
+  for (Json& one : circuit["lsis"]) {
+    if (one.value("id", "") != id.substr(0, slash)) continue;
+    if (slash == std::string::npos) return &one;
+    if (!circuit.contains("circuits") || !circuit["circuits"].is_array()) return nullptr;
+    for (Json& inner : circuit["circuits"])
+      if (inner.value("name", "") == one.value("type", "")) return find_lsi(inner, id.substr(slash + 1));
+  }
+  return nullptr;
+}
+
+/// Sets parameter PARAMETER of the LSI with the path ID in the circuit document.
 Result<void> set_parameter(content::Scenario& s, const std::string& name, const std::string& value) {
   const std::size_t dot = name.rfind('.');
   const std::string id = name.substr(4, dot == std::string::npos ? dot : dot - 4),
@@ -58,15 +72,13 @@ Result<void> set_parameter(content::Scenario& s, const std::string& name, const 
   if (s.circuit.empty()) s.circuit = content::default_circuit(content::played_part(s));
   Result<Json> circuit = json::parse_json(s.circuit, "circuit");
   if (!circuit) return fail(std::move(circuit.error()));
-  if (circuit->contains("lsis") && (*circuit)["lsis"].is_array())
-    for (Json& one : (*circuit)["lsis"])
-      if (one.value("id", "") == id && !parameter.empty()) {
-        one["parameters"][parameter] = value_json(value);
-        s.circuit = json::to_text(*circuit);
-        return {};
-      }
-  return fail(ErrorCode::unknown, "--vary " + name, "The circuit has no LSI '" + id + "' at its outermost level.",
-              "Write lsi:ID.PARAMETER.");
+  if (Json* lsi = find_lsi(*circuit, id); lsi && !parameter.empty()) {
+    (*lsi)["parameters"][parameter] = value_json(value);
+    s.circuit = json::to_text(*circuit);
+    return {};
+  }
+  return fail(ErrorCode::unknown, "--vary " + name, "The circuit has no LSI '" + id + "'.",
+              "Write lsi:ID.PARAMETER, for example lsi:human/control.tracking.");
 }
 
 constexpr const char* usual_link = "chest";  // the link on which pushes act, unless push-link is varied

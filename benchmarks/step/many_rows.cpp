@@ -59,7 +59,7 @@ struct Walk {
   std::vector<double> controls;  // [steps][3 nv] drive forces, servo gains, servo velocities
 
   explicit Walk(int steps) {
-    const auto torque = [&] { return player.interpreter().find_output("control-human0.torque")->numbers(); };
+    const auto torque = [&] { return player.interpreter().find_output("human0/control.torque")->numbers(); };
     for (int i = 0; i < 500; ++i) (void)checked_step();
     std::ranges::copy(player.q(0), begin.q(0).begin());
     std::ranges::copy(player.v(0), begin.v(0).begin());

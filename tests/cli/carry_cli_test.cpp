@@ -17,7 +17,7 @@ class CarryCliTest : public ShelfTest {
   void SetUp() override {
     ShelfTest::SetUp();
     fs::create_directory(folder_ + "/parts");
-    write("parts/player.html", R"(<html lang="en"><title>@UGOKI_TITLE@</title><script id="ugoki-engine"></script>@UGOKI_CONTENT@</html>)");
+    write("parts/player.html", R"(<html lang="en"><title>@UGOKI_TITLE@</title><script id="ugoki-engine"></script>@UGOKI_FIRST@@UGOKI_CONTENT@</html>)");
     fs::copy_file(UGOKI_NATIVE_PLAYER, folder_ + "/parts/ugoki_player");
     fs::copy_file(UGOKI_LSI_PLAYER, folder_ + "/parts/ugoki_lsi_player");
   }

@@ -164,7 +164,7 @@ TEST_F(OutputFilesCliTest, PageOfAFolderIsNotOverwrittenByEmbed) {
 
 // Chromium opens the page of pictures in a window without tabs; the headless shell of Chromium has no windows and knows no option for that.
 TEST_F(OutputFilesCliTest, PicturesAreDrawnInAWindowWithoutTabs) {
-  const std::string page = R"(<html lang="en"><title>@UGOKI_TITLE@</title><script id="ugoki-engine"></script>@UGOKI_CONTENT@</html>)";
+  const std::string page = R"(<html lang="en"><title>@UGOKI_TITLE@</title><script id="ugoki-engine"></script>@UGOKI_FIRST@@UGOKI_CONTENT@</html>)";
   const std::string parts = fs::path(write("parts/player.html", page)).parent_path(), bvh = walk();
   for (const auto& [name, begin] : {std::pair<std::string, std::string>{"chromium", "--app=file://"}, {"chromium-headless-shell", "file://"}}) {
     const std::string browser = write(name, "#!/bin/sh\nfor word; do last=$word; done\necho \"$last\" >\"$0.word\"\n"), word = browser + ".word";
@@ -177,7 +177,7 @@ TEST_F(OutputFilesCliTest, PicturesAreDrawnInAWindowWithoutTabs) {
 
 TEST_F(OutputFilesCliTest, NamesOfNativeProgramsDoNotActOnTheTerminal) {
   const std::string bvh = walk("evil\x1b[31m\u202e.bvh"), program = path("program");
-  const std::string page = R"(<html lang="en"><title>@UGOKI_TITLE@</title><script id="ugoki-engine"></script>@UGOKI_CONTENT@</html>)";
+  const std::string page = R"(<html lang="en"><title>@UGOKI_TITLE@</title><script id="ugoki-engine"></script>@UGOKI_FIRST@@UGOKI_CONTENT@</html>)";
   const fs::path parts = fs::path(write("parts/player.html", page)).parent_path();
   fs::copy_file(UGOKI_NATIVE_PLAYER, parts / "ugoki_player");
   does({"export", bvh, "--player", parts.string(), "--native", program});

@@ -141,11 +141,12 @@ TEST_F(RulesTest, GeneratedCircuitHasOneActionForEachRule) {
   EXPECT_EQ(type_of("rule-r3"), "push");
   EXPECT_EQ(type_of("rule-r4"), "push");
   EXPECT_EQ(type_of("rule-r5"), "") << "the rule is off";
-  EXPECT_EQ(type_of("choice-human"), "motion choice");
+  EXPECT_EQ(type_of("human"), "character human") << "one box for each character";
+  EXPECT_TRUE(std::ranges::any_of(c->circuits.at(0).lsis, [](const circuit::Instance& l) { return l.type == "motion choice"; }));
   const auto wired = [&](const char* from, const char* to) {
     return std::any_of(c->wires.begin(), c->wires.end(), [&](const circuit::Wire& w) { return w.from == from && w.to == to; });
   };
-  EXPECT_TRUE(wired("rule-r1.choice", "choice-human.choice")) << "the first rule has priority";
+  EXPECT_TRUE(wired("rule-r1.choice", "human.choice")) << "the first rule has priority";
   EXPECT_TRUE(wired("rule-r2.choice", "rule-r1.below"));
   EXPECT_TRUE(wired("rule-r3.events", "rule-r4.events"));
   EXPECT_TRUE(wired("rule-r4.events", "dynamics.events"));
@@ -251,7 +252,7 @@ TEST_F(RulesTest, AThirdTouchOfAKeyPlaysAMotion) {
     press(false);
     EXPECT_EQ(value(*player, "variable-hits.value"), std::min(round, 3)) << "the maximum is 3";
     EXPECT_EQ(value(*player, "variable-done.value"), round < 3 ? 0 : 1) << round;
-    EXPECT_EQ(value(*player, "choice-human.now"), round < 3 ? 0 : 1) << round;
+    EXPECT_EQ(value(*player, "human/choice.now"), round < 3 ? 0 : 1) << round;
   }
   EXPECT_EQ(value(*player, "rule-r9.count"), 1);
 }
@@ -325,8 +326,8 @@ TEST_F(RulesTest, TheFirstRuleChangesAVariableLast) {
 TEST_F(RulesTest, AllKindsOfRulesRun) {
   add_all();
   Player idle = run(document, resources, {}, 0.5), held = run(document, resources, {"KeyW"}, 0.5);
-  EXPECT_EQ(value(idle, "choice-human.now"), 0);
-  EXPECT_EQ(value(held, "choice-human.now"), 1);
+  EXPECT_EQ(value(idle, "human/choice.now"), 0);
+  EXPECT_EQ(value(held, "human/choice.now"), 1);
   EXPECT_EQ(value(held, "rule-r1.count"), 1);
   EXPECT_EQ(value(idle, "rule-r4.active"), 0);
   Player later = run(document, resources, {"KeyW"}, 2.1);

@@ -92,7 +92,7 @@ TEST(Bar, HangsSwingsLetsGoLandsAndStands) {
   while (player.time() < 13.5) {
     ASSERT_TRUE(player.step());
     flew = flew || (grips_of(player).empty() && player.measures(0).feet_on_ground == 0);
-    EXPECT_LT(output(player, "control-gymnast.recovery")[0], 2) << "falls at " << player.time() << " s";
+    EXPECT_LT(output(player, "gymnast/control.recovery")[0], 2) << "falls at " << player.time() << " s";
     if (HasFailure()) return;
   }
   EXPECT_TRUE(flew);
@@ -100,7 +100,7 @@ TEST(Bar, HangsSwingsLetsGoLandsAndStands) {
   double speed = 0;
   for (std::size_t i = 0; i < 6; ++i) speed = std::max(speed, std::fabs(player.v(0)[i]));
   EXPECT_LT(speed, 0.2) << "rad/s, m/s";
-  EXPECT_EQ(output(player, "control-gymnast.report")[7], 0) << "root assist";
+  EXPECT_EQ(output(player, "gymnast/control.report")[7], 0) << "root assist";
   const std::uint64_t hash = player.state_hash();
   ASSERT_TRUE(player.restore(saved));
   while (player.time() < 13.5) ASSERT_TRUE(player.step());
@@ -141,7 +141,7 @@ TEST(Bar, APersonHoldsABox) {
   for (const lsi::EventRecord& e : grips_of(*player)) force -= e.a.z;
   EXPECT_NEAR(force, 12 * 9.81, 1) << "N";
   EXPECT_GT(player->q(0)[2], 0.8) << "m: height of the hips";
-  EXPECT_LT(output(*player, "control-a.recovery")[0], 1);
+  EXPECT_LT(output(*player, "a/control.recovery")[0], 1);
 }
 
 }  // namespace

@@ -149,7 +149,7 @@ TEST(Execution, MomentumChangeEqualsReportedForces) {
     return dynamics::momentum(*world.character, ws).v;
   };
   const Vec3 before = momentum();
-  const auto assist = i->find_output("control-character.assist force");
+  const auto assist = i->find_output("character/control.assist force");
   ASSERT_TRUE(assist);
   Vec3 impulse, assisted;
   for (int k = 0; k < 250; ++k) {
@@ -258,11 +258,11 @@ TEST(Execution, WireFromAnotherCharacterIsRefused) {
   const World world(std::move(specs), {}, {0, 0, -9.81}, {});
   circuit::Circuit c = make_execution_circuit({{"anna", true, 1, 1, 0.5}, {"ben", true, 1, 1, 0.5}}, 0.002);
   EXPECT_TRUE(circuit::Interpreter::build(c, standard_library(), &world, {}));
-  for (circuit::Wire& w : c.wires)
-    if (w.to == "control-ben.reference") w.from = "interpolation-anna.reference";
+  for (circuit::Instance& lsi : c.circuits[1].lsis)
+    if (lsi.id == "control") lsi.parameters[0] = {"character", std::string("anna")};
   const auto refused = circuit::Interpreter::build(c, standard_library(), &world, {});
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().text().find("'control-ben.reference' belongs to the character 'anna', but the LSI to 'ben'"), std::string::npos)
+  EXPECT_NE(refused.error().text().find("'ben/control.reference' belongs to the character 'ben', but the LSI to 'anna'"), std::string::npos)
       << refused.error().text();
 }
 

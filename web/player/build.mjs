@@ -1,6 +1,6 @@
 // Builds the player: one HTML page with engine and script inline, and ugoki-player.js, the element for other pages.
 //   node player/build.mjs ENGINE.wasm FOLDER
-// Writes FOLDER/player.html, in which `ugoki export --html` replaces @UGOKI_TITLE@ and @UGOKI_CONTENT@, and FOLDER/ugoki-player.js.
+// Writes FOLDER/player.html, in which `ugoki export --html` replaces @UGOKI_TITLE@, @UGOKI_FIRST@ and @UGOKI_CONTENT@, and FOLDER/ugoki-player.js.
 import { execFileSync } from 'node:child_process';
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';

@@ -55,14 +55,19 @@ class Maker {
   }
 
  private:
-  /// Id of the character's LSI `motion choice`; empty: it has none.
+  /// Id of the character's nested circuit if this contains an LSI `motion choice`; empty: there is none.
   [[nodiscard]] std::string choice_of(const std::string& character) const { return find("motion choice", character); }
-  /// Id of the LSI of a class that belongs to a character; empty: there is none.
+  /// Id of the nested circuit that contains an LSI of this class for the character; empty: there is none.
   [[nodiscard]] std::string find(std::string_view type, const std::string& character) const {
-    for (const Instance& lsi : c_.lsis) {
-      if (lsi.type != type) continue;
-      for (const auto& [name, value] : lsi.parameters)
-        if (name == "character" && value == circuit::Value(character)) return lsi.id;
+    const auto holds = [&](const Instance& lsi) {
+      return lsi.type == type && std::ranges::any_of(lsi.parameters, [&](const auto& p) {
+               return p.first == "character" && p.second == circuit::Value(character);
+             });
+    };
+    for (const Circuit& inner : c_.circuits) {
+      if (std::ranges::none_of(inner.lsis, holds)) continue;
+      const auto box = std::ranges::find(c_.lsis, inner.name, &Instance::type);
+      if (box != c_.lsis.end()) return box->id;
     }
     return {};
   }

@@ -20,12 +20,12 @@ struct CircuitCharacter {
   bool grips = false;  ///< the content has grips, which balance control has to know
 };
 
-/// Makes the execution circuit from LSIs (function blocks). It contains event, collision analysis, dynamics, status and display. For each
-/// character that follows a track it also contains motion retrieval (or motion choice, if rules play motions), interpolation, motion
-/// control and naturalness; if the character's assist limit is 0, only balance control and naturalness,
-/// with the grips of the last tick (LSI `delay event`) if the content has any. Drive::torque replaces motion
-/// control by the LSI `motion torques`. Its input `live` receives the user's events. Its outputs are `state`, `contacts`, `events`,
-/// `poses`, `characters` and `measures`.
+/// Makes the execution circuit from LSIs (function blocks). Its outermost level contains event, collision analysis, dynamics, status and
+/// display, and for each character that follows a track one nested circuit "character ID". The nested circuit contains motion retrieval (or
+/// motion choice, if rules play motions), interpolation, motion control and naturalness; if the character's assist limit is 0, only balance
+/// control and naturalness. Drive::torque replaces motion control by the LSI `motion torques`. Balance control gets the grips of the last
+/// tick (LSI `delay event`) if the content has any. The input `live` receives the user's events. The outputs are `state`, `contacts`,
+/// `events`, `poses`, `characters` and `measures`.
 /// @param step  s, time between ticks. Naturalness is measured about 120 times a second, always after the same number of ticks
 [[nodiscard]] circuit::Circuit make_execution_circuit(const std::vector<CircuitCharacter>& characters, double step);
 

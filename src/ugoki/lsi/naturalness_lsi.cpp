@@ -303,9 +303,10 @@ void add_naturalness(circuit::Library& library) {
     if (!world) return;
     std::size_t dofs = 0;
     for (const Character& c : world->characters()) dofs += static_cast<std::size_t>(c.mechanism->nv());
-    if (s.wires(in_applied) > 0 && s.in(in_applied).count != World::payload_count(dofs))
+    const std::uint32_t applied = s.in(in_applied).count;  // 0: not known yet
+    if (applied != 0 && applied != World::payload_count(dofs))
       s.fail(ErrorCode::structure,
-             "The wire into '" + s.id() + ".applied' has " + std::to_string(s.in(in_applied).count) + " numbers; it must have " +
+             "The wire into '" + s.id() + ".applied' has " + std::to_string(applied) + " numbers; it must have " +
                  std::to_string(dofs) + ", one for each degree of freedom of all characters.",
              "Wire the output `applied` of a dynamics LSI.");
     s.set_state(sizeof(Sums) + naturalness::Meter(*character->mechanism, options_of(*world)).memory_size() * sizeof(double));

@@ -87,9 +87,20 @@ class Maker {
     output(id + ":centre of mass", PinTypeId::vector, "m", "Centre of mass, world axes.", centre + ".position");
     output(id + ":q", PinTypeId::joint_values, "", "Position coordinates of all joints.", q + ".q");
     output(id + ":v", PinTypeId::joint_values, "", "Velocities of all degrees of freedom.", q + ".v");
-    for (const Instance& lsi : c_.lsis)
-      if (lsi.type == "naturalness" && has_character(lsi, who.id))
-        return output(id + ":measures", PinTypeId::joint_values, "", "Measures of naturalness (docs/circuit.md).", lsi.id + ".measures");
+    if (const std::string measures = measures_of(c_, who.id); !measures.empty())
+      output(id + ":measures", PinTypeId::joint_values, "", "Measures of naturalness (docs/circuit.md).", measures);
+  }
+  /// The output of `circuit` with the measures of a character, of an LSI or of a nested circuit; empty: there is none.
+  std::string measures_of(const Circuit& circuit, const std::string& character) const {
+    for (const Instance& lsi : circuit.lsis) {
+      if (lsi.type == "naturalness" && has_character(lsi, character)) return lsi.id + ".measures";
+      const auto inner = std::ranges::find(circuit.circuits, lsi.type, &Circuit::name);
+      if (inner == circuit.circuits.end()) continue;
+      const std::string inside = measures_of(*inner, character);
+      for (const circuit::BoundaryPin& out : inner->outputs)
+        if (!inside.empty() && out.ends == std::vector{inside}) return lsi.id + "." + out.name;
+    }
+    return {};
   }
   static bool has_character(const Instance& lsi, const std::string& id) {
     return std::any_of(lsi.parameters.begin(), lsi.parameters.end(),
