@@ -32,7 +32,7 @@ TEST(Carrying, TwoPeopleCarryABoxThroughAPush) {
   EXPECT_NEAR(force / count, 40 * 9.81, 4) << "N: mean force of all hands";
   EXPECT_GT(player.q(box)[0], 5.5) << "m";
   EXPECT_GT(lateral, 0.1) << "m: the push has an effect";
-  for (const char* report : {"control-front.report", "control-rear.report"}) EXPECT_EQ(output(player, report)[7], 0) << "root assist";
+  for (const char* report : {"front/control.report", "rear/control.report"}) EXPECT_EQ(output(player, report)[7], 0) << "root assist";
   const std::uint64_t hash = player.state_hash();
   ASSERT_TRUE(player.restore(saved));
   while (player.time() < 12) ASSERT_TRUE(player.step());
