@@ -153,98 +153,74 @@ std::string numbered(const std::string& pattern, int number) {
 }
 bool is_pattern(const std::string& name) { return numbered(name, 1) != numbered(name, 2); }
 
-/// A video that is being written. ffmpeg writes a temporary file, which is renamed at the end.
-struct Video {
-  std::string file, part;
-  std::unique_ptr<Child> ffmpeg;
+/// What is drawn.
+struct Plan {
+  double rate = 0;  ///< pictures per second
+  int count = 0;
+  bool videos = false;
+  bool single = false;  ///< one picture, whose file name is no pattern
+  bool planar = false;  ///< the page sends planar YCbCr instead of RGBA for the videos
 };
 
-}  // namespace
-
-Result<std::vector<std::string>> export_pictures(const std::string& page, const std::string& name, std::span<const std::byte> ugx,
-                                                 const PictureOptions& o, const PictureOutputs& outputs,
-                                                 const std::function<Result<void>(const std::vector<std::string>&)>& check) {
-  const Result<content::Executable> content = content::read_executable(ugx, name);
-  if (!content) return fail(content.error());
-  const double rate = o.rate > 0 ? o.rate : content->frame_rate;
-  const double end = o.duration > 0 ? o.duration : content->duration;
-  const bool videos = !outputs.mp4.empty() || !outputs.webm.empty() || !outputs.gif.empty();
-  const bool single = !videos && !is_pattern(outputs.png);
-  if (videos && !outputs.png.empty() && !is_pattern(outputs.png))
+Result<Plan> plan_of(const content::Executable& content, const PictureOptions& o, const PictureOutputs& outputs) {
+  Plan plan;
+  plan.rate = o.rate > 0 ? o.rate : content.frame_rate;
+  const double end = o.duration > 0 ? o.duration : content.duration;
+  plan.videos = !outputs.mp4.empty() || !outputs.webm.empty() || !outputs.gif.empty();
+  plan.single = !plan.videos && !is_pattern(outputs.png);
+  if (plan.videos && !outputs.png.empty() && !is_pattern(outputs.png))
     return fail(ErrorCode::conflict, "--png", "One picture and a video cannot be written at once.",
                 "Give --png a file name with %04d, or call `ugoki export` twice.");
-  if (o.from >= end && !single)
+  if (o.from >= end && !plan.single)
     return fail(ErrorCode::range, "--from",
                 "The first picture is at " + to_fixed(o.from, 3) + " s, but the content ends at " + to_fixed(end, 3) + " s.",
                 "Give an earlier time.");
   if (o.transparent && (!outputs.mp4.empty() || !outputs.gif.empty()))
     return fail(ErrorCode::unsupported, "--transparent", "MP4 and GIF videos have no transparent background.", "Use --webm or --png.");
-  const double wanted = single ? 1 : std::max(1.0, std::round((end - o.from) * rate));
+  const double wanted = plan.single ? 1 : std::max(1.0, std::round((end - o.from) * plan.rate));
   if (wanted > max_pictures)
     return fail(ErrorCode::range, "--duration",
                 "The export would have " + to_fixed(wanted, 0) + " pictures; the limit is " + std::to_string(max_pictures) + ".",
                 "Give a shorter --duration or a lower --rate.");
-  const int count = static_cast<int>(wanted);
-  if ((!outputs.mp4.empty() || !outputs.webm.empty()) && (o.width % 2 != 0 || o.height % 2 != 0))
+  plan.count = static_cast<int>(wanted);
+  const bool even = o.width % 2 == 0 && o.height % 2 == 0;
+  if ((!outputs.mp4.empty() || !outputs.webm.empty()) && !even)
     return fail(ErrorCode::range, "--size", "Width and height of a video must be even.", "Give, for example, --size 1280x720.");
+  // MP4 and WebM are coded from planar YCbCr. A GIF and a transparent background need RGBA.
+  plan.planar = plan.videos && outputs.gif.empty() && !o.transparent && o.blur == 1 && even;
+  return plan;
+}
 
-  std::error_code ec;
-  std::vector<std::string> pictures;  // the paths of the pictures of --png
-  for (int i = 0; !outputs.png.empty() && i < count; ++i) pictures.push_back(single ? outputs.png : numbered(outputs.png, i));
-  if (Result<void> may = check(pictures); !may) return fail(std::move(may.error()));
-
-  const bool graphics_processor = fs::exists("/dev/dri", ec);
-  const Result<std::string> browser = find_browser(o.browser, graphics_processor);
-  if (!browser) return fail(browser.error());
-  std::string ffmpeg;
-  if (videos) {
-    Result<std::string> found =
-        find_program(o.ffmpeg, {"ffmpeg"}, "Install ffmpeg (`apt-get install ffmpeg`), or write pictures with --png frame%04d.png.");
-    if (!found) return fail(std::move(found.error()));
-    ffmpeg = std::move(*found);
-  }
-  const Result<std::string> filled = publish::make_page(page, name, ugx, publish::PageEngine::pictures);
-  if (!filled) return fail(filled.error());
-
-  const Result<files::TemporaryFolder> scratch = files::TemporaryFolder::make("pictures", "temporary folder");
-  if (!scratch) return fail(scratch.error());
-  const fs::path folder = scratch->path();
-  catch_interrupt();
-  std::signal(SIGPIPE, SIG_IGN);
-
-  // For MP4 and WebM alone, the page sends planar YCbCr, the input form of the coders. A GIF and a transparent background need RGBA.
-  const bool planar = videos && outputs.gif.empty() && !o.transparent && o.blur == 1 && o.width % 2 == 0 && o.height % 2 == 0;
+/// The settings of the page (web/src/player/pictures.ts).
+Result<Json> page_settings(const Plan& plan, const PictureOptions& o, bool png) {
   Json settings = {{"width", o.width},
                    {"height", o.height},
-                   {"rate", rate},
+                   {"rate", plan.rate},
                    {"from", o.from},
-                   {"count", count},
+                   {"count", plan.count},
                    {"blur", o.blur},
                    {"shutter", o.shutter},
                    {"transparent", o.transparent},
                    {"theme", o.light ? "light" : "dark"},
                    {"assist", o.overlays},
-                   {"png", !outputs.png.empty()},
-                   {"raw", !videos  ? ""
-                           : planar ? "planar"
-                                    : "rgba"},
+                   {"png", png},
+                   {"raw", !plan.videos  ? ""
+                           : plan.planar ? "planar"
+                                         : "rgba"},
                    {"ahead", max_waiting}};
-  if (!o.inputs.empty()) {
-    Result<Json> inputs = json::parse_json(o.inputs, "inputs");
-    if (!inputs) return fail(std::move(inputs.error()));
-    settings["inputs"] = inputs->contains("inputs") ? (*inputs)["inputs"] : *inputs;
-  }
-  const int browsers = browser_count(count, graphics_processor);
-  Receiver receiver(std::move(settings), browsers);
-  studio::ServerOptions server_options;
-  server_options.page = *filled;
-  const Result<std::unique_ptr<studio::Server>> server = studio::Server::listen(server_options, receiver);
-  if (!server) return fail(server.error());
-  const Result<std::unique_ptr<studio::LaunchPage>> launch = studio::LaunchPage::write((*server)->address());
-  if (!launch) return fail(launch.error());
+  if (o.inputs.empty()) return settings;
+  Result<Json> inputs = json::parse_json(o.inputs, "inputs");
+  if (!inputs) return inputs;
+  settings["inputs"] = inputs->contains("inputs") ? (*inputs)["inputs"] : *inputs;
+  return settings;
+}
 
-  const fs::path browser_log = folder / "browser.log", ffmpeg_log = folder / "ffmpeg.log";
-  std::vector<std::string> words = {*browser,
+using Children = std::vector<std::unique_ptr<Child>>;
+
+/// Starts browsers that show `address`. @param folder for their profiles  @param log receives their output
+Result<Children> start_browsers(const std::string& browser, int count, bool graphics_processor, const std::string& address,
+                                const fs::path& folder, const fs::path& log) {
+  std::vector<std::string> words = {browser,
                                     "--headless",
                                     "--no-first-run",
                                     "--no-default-browser-check",
@@ -264,127 +240,211 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
     // If Mesa is not installed, Chromium falls back to SwiftShader.
     words.insert(words.end(), {"--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader",
                                "--disable-gpu-rasterization"});
-    if (browsers > 1) variables.emplace_back("LP_NUM_THREADS", "0");  // llvmpipe draws on the thread that calls it
+    if (count > 1) variables.emplace_back("LP_NUM_THREADS", "0");  // llvmpipe draws on the thread that calls it
   }
   if (::geteuid() == 0) words.emplace_back("--no-sandbox");  // Chromium refuses to run as root with its sandbox
-  std::vector<std::unique_ptr<Child>> drawing;
-  for (int i = 0; i < browsers; ++i) {
+  Children out;
+  for (int i = 0; i < count; ++i) {
     std::vector<std::string> own = words;
     own.push_back("--user-data-dir=" + (folder / ("profile" + std::to_string(i))).string());
-    own.push_back(page_word(*browser, "file://" + (*launch)->path()));
-    Result<std::unique_ptr<Child>> child = Child::start(own, false, browser_log.string(), variables);
+    own.push_back(page_word(browser, address));
+    Result<std::unique_ptr<Child>> child = Child::start(own, false, log.string(), variables);
     if (!child) return fail(std::move(child.error()));
-    drawing.push_back(std::move(*child));
+    out.push_back(std::move(*child));
+  }
+  return out;
+}
+
+/// The videos that ffmpeg writes. Each is a temporary file until finish(); files that are not finished are removed.
+class Videos {
+ public:
+  Videos(std::string ffmpeg, const Plan& plan, const PictureOptions& o, fs::path log)
+      : ffmpeg_(std::move(ffmpeg)), log_(std::move(log)), planar_(plan.planar) {
+    input_ = {"-f",       "rawvideo",
+              "-pix_fmt", planar_ ? "yuv420p" : "rgba",
+              "-s",       std::to_string(o.width) + "x" + std::to_string(o.height),
+              "-r",       to_text(plan.rate),
+              "-i",       "-",
+              "-an"};
+    alpha_ = o.transparent;
+  }
+  Videos(const Videos&) = delete;
+  Videos& operator=(const Videos&) = delete;
+  ~Videos() {
+    for (Video& v : started_) {
+      v.ffmpeg.reset();
+      std::error_code ignored;
+      if (!v.part.empty()) fs::remove(v.part, ignored);
+    }
   }
 
-  std::vector<Video> started;
-  struct Unfinished {  // removes the files of videos that were not completed
-    std::vector<Video>& videos;
-    ~Unfinished() {
-      for (Video& v : videos) {
-        v.ffmpeg.reset();
-        std::error_code ignored;
-        if (!v.part.empty()) fs::remove(v.part, ignored);
-      }
+  Result<void> start(const PictureOutputs& outputs) {
+    if (Result<void> done = start(outputs.mp4, ".mp4",
+                                  coder({"-c:v", "libx264", "-preset", "ultrafast", "-aq-mode", "1", "-crf", "18", "-pix_fmt", "yuv420p",
+                                         "-movflags", "+faststart"}));
+        !done)
+      return done;
+    if (Result<void> done = start(outputs.webm, ".webm",
+                                  coder({"-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-row-mt", "1", "-deadline", "good", "-cpu-used",
+                                         "5", "-pix_fmt", alpha_ ? "yuva420p" : "yuv420p"}));
+        !done)
+      return done;
+    return start(outputs.gif, ".gif",
+                 {"-vf", "vflip,split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=4", "-loop", "0"});
+  }
+
+  Result<void> write(const std::string& picture) {
+    for (const Video& v : started_)
+      if (!v.ffmpeg->write(picture))
+        return fail(ErrorCode::io, v.file, "ffmpeg stopped." + tail_of(log_),
+                    "Check the permissions of the folder and the free space on the disk.");
+    return {};
+  }
+
+  /// Completes the files. @return their names
+  Result<std::vector<std::string>> finish() {
+    std::vector<std::string> written;
+    for (Video& v : started_) {
+      if (!v.ffmpeg->wait())
+        return fail(interrupted()
+                        ? interrupted_error()
+                        : Error(ErrorCode::io, v.file, "ffmpeg reported an error." + tail_of(log_), "Check that ffmpeg has the codec."));
+      std::error_code ec;
+      fs::rename(v.part, v.file, ec);
+      if (ec) return fail(ErrorCode::io, v.file, "The video cannot be renamed: " + ec.message() + ".", "Check the folder's permissions.");
+      v.part.clear();
+      written.push_back(v.file);
     }
-  } unfinished{started};
-  const auto start_video = [&](const std::string& file, std::vector<std::string> codec, const char* ending) -> Result<void> {
+    return written;
+  }
+
+ private:
+  struct Video {
+    std::string file, part;
+    std::unique_ptr<Child> ffmpeg;
+  };
+
+  // Videos have the colours of ITU-R BT.709, limited range. The file states this, because players assume BT.709 for large pictures only.
+  // The rows of RGBA pictures arrive from the bottom to the top, in the order of WebGL; vflip turns them.
+  [[nodiscard]] std::vector<std::string> coder(std::initializer_list<const char*> words) const {
+    std::vector<std::string> out;
+    if (!planar_) out = {"-vf", "vflip,scale=out_color_matrix=bt709:out_range=tv"};
+    out.insert(out.end(), words.begin(), words.end());
+    out.insert(out.end(), {"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"});
+    return out;
+  }
+
+  /// Starts ffmpeg for one file; does nothing if `file` is empty.
+  Result<void> start(const std::string& file, const char* ending, const std::vector<std::string>& codec) {
     if (file.empty()) return {};
     const fs::path target = file;
     std::error_code missing;
     if (fs::exists(target, missing) && !fs::is_regular_file(target, missing))
       return fail(ErrorCode::io, file, "Videos can be written only to files, not to folders, pipes and devices.", "Name another file.");
     const std::string part = (target.parent_path() / ("." + target.filename().string() + ".part" + ending)).string();
-    std::vector<std::string> command = {ffmpeg,
-                                        "-hide_banner",
-                                        "-loglevel",
-                                        "error",
-                                        "-y",
-                                        "-f",
-                                        "rawvideo",
-                                        "-pix_fmt",
-                                        planar ? "yuv420p" : "rgba",
-                                        "-s",
-                                        std::to_string(o.width) + "x" + std::to_string(o.height),
-                                        "-r",
-                                        to_text(rate),
-                                        "-i",
-                                        "-",
-                                        "-an"};
+    std::vector<std::string> command = {ffmpeg_, "-hide_banner", "-loglevel", "error", "-y"};
+    command.insert(command.end(), input_.begin(), input_.end());
     command.insert(command.end(), codec.begin(), codec.end());
     command.push_back(part);
-    Result<std::unique_ptr<Child>> child = Child::start(command, true, ffmpeg_log.string());
+    Result<std::unique_ptr<Child>> child = Child::start(command, true, log_.string());
     if (!child) return fail(std::move(child.error()));
-    started.push_back({file, part, std::move(*child)});
+    started_.push_back({file, part, std::move(*child)});
     return {};
-  };
-  // Videos have the colours of ITU-R BT.709, limited range. The file states this, because players assume BT.709 for large pictures only.
-  // The rows of RGBA pictures arrive from the bottom to the top, in the order of WebGL; vflip turns them.
-  const auto coder = [&](std::initializer_list<const char*> words) {
-    std::vector<std::string> out;
-    if (!planar) out = {"-vf", "vflip,scale=out_color_matrix=bt709:out_range=tv"};
-    out.insert(out.end(), words.begin(), words.end());
-    out.insert(out.end(), {"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"});
-    return out;
-  };
-  if (Result<void> done = start_video(outputs.mp4,
-                                      coder({"-c:v", "libx264", "-preset", "ultrafast", "-aq-mode", "1", "-crf", "18", "-pix_fmt",
-                                             "yuv420p", "-movflags", "+faststart"}),
-                                      ".mp4");
-      !done)
-    return fail(std::move(done.error()));
-  if (Result<void> done = start_video(outputs.webm,
-                                      coder({"-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-row-mt", "1", "-deadline", "good",
-                                             "-cpu-used", "5", "-pix_fmt", o.transparent ? "yuva420p" : "yuv420p"}),
-                                      ".webm");
-      !done)
-    return fail(std::move(done.error()));
-  if (Result<void> done = start_video(
-          outputs.gif,
-          {"-vf", "vflip,split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=4", "-loop", "0"}, ".gif");
-      !done)
-    return fail(std::move(done.error()));
+  }
+
+  std::string ffmpeg_;
+  fs::path log_;
+  bool planar_ = false, alpha_ = false;
+  std::vector<std::string> input_;  // arguments that describe the pictures
+  std::vector<Video> started_;
+};
+
+/// Waits for a picture, until it has arrived or drawing has failed.
+Result<Receiver::Picture> next_picture(Receiver& receiver, int number, const Plan& plan, bool png, const Children& drawing,
+                                       const std::string& browser, const fs::path& log) {
+  Receiver::Picture picture;
+  double waited = 0;
+  while (!receiver.wait(number, png, plan.videos, 0.2, picture)) {
+    waited += 0.2;
+    if (interrupted()) return fail(interrupted_error());
+    if (const std::string failure = receiver.failure(); !failure.empty())
+      return fail(ErrorCode::io, "picture " + std::to_string(number + 1), failure, "Check the content in the studio.");
+    if (std::ranges::any_of(drawing, [](const std::unique_ptr<Child>& child) { return child->ended(); }))
+      return fail(ErrorCode::io, browser, "The browser ended before all pictures were drawn." + tail_of(log),
+                  "Try another browser with --browser.");
+    if (waited > patience)
+      return fail(ErrorCode::io, browser, "The browser has drawn no picture for " + to_fixed(patience, 0) + " s." + tail_of(log),
+                  "Give a smaller --size, or another browser with --browser.");
+  }
+  return picture;
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> export_pictures(const std::string& page, const std::string& name, std::span<const std::byte> ugx,
+                                                 const PictureOptions& o, const PictureOutputs& outputs,
+                                                 const std::function<Result<void>(const std::vector<std::string>&)>& check) {
+  const Result<content::Executable> content = content::read_executable(ugx, name);
+  if (!content) return fail(content.error());
+  const Result<Plan> plan = plan_of(*content, o, outputs);
+  if (!plan) return fail(plan.error());
+  const bool png = !outputs.png.empty();
+  std::vector<std::string> pictures;  // the paths of the pictures of --png
+  for (int i = 0; png && i < plan->count; ++i) pictures.push_back(plan->single ? outputs.png : numbered(outputs.png, i));
+  if (Result<void> may = check(pictures); !may) return fail(std::move(may.error()));
+
+  std::error_code ec;
+  const bool graphics_processor = fs::exists("/dev/dri", ec);
+  const Result<std::string> browser = find_browser(o.browser, graphics_processor);
+  if (!browser) return fail(browser.error());
+  std::string ffmpeg;
+  if (plan->videos) {
+    Result<std::string> found =
+        find_program(o.ffmpeg, {"ffmpeg"}, "Install ffmpeg (`apt-get install ffmpeg`), or write pictures with --png frame%04d.png.");
+    if (!found) return fail(std::move(found.error()));
+    ffmpeg = std::move(*found);
+  }
+  const Result<std::string> filled = publish::make_page(page, name, ugx, publish::PageEngine::pictures);
+  if (!filled) return fail(filled.error());
+  Result<Json> settings = page_settings(*plan, o, png);
+  if (!settings) return fail(std::move(settings.error()));
+
+  const Result<files::TemporaryFolder> scratch = files::TemporaryFolder::make("pictures", "temporary folder");
+  if (!scratch) return fail(scratch.error());
+  const fs::path folder = scratch->path();
+  catch_interrupt();
+  std::signal(SIGPIPE, SIG_IGN);
+  const int browsers = browser_count(plan->count, graphics_processor);
+  Receiver receiver(std::move(*settings), browsers);
+  studio::ServerOptions server_options;
+  server_options.page = *filled;
+  const Result<std::unique_ptr<studio::Server>> server = studio::Server::listen(server_options, receiver);
+  if (!server) return fail(server.error());
+  const Result<std::unique_ptr<studio::LaunchPage>> launch = studio::LaunchPage::write((*server)->address());
+  if (!launch) return fail(launch.error());
+  const fs::path log = folder / "browser.log";
+  const Result<Children> drawing = start_browsers(*browser, browsers, graphics_processor, "file://" + (*launch)->path(), folder, log);
+  if (!drawing) return fail(drawing.error());
+  Videos videos(ffmpeg, *plan, o, folder / "ffmpeg.log");
+  if (Result<void> done = videos.start(outputs); !done) return fail(std::move(done.error()));
 
   std::vector<std::string> written;
   Progress progress("pictures of " + name);
-  for (int i = 0; i < count; ++i) {
-    Receiver::Picture picture;
-    double waited = 0;
-    while (!receiver.wait(i, !outputs.png.empty(), videos, 0.2, picture)) {
-      waited += 0.2;
-      if (interrupted()) return fail(interrupted_error());
-      if (const std::string failure = receiver.failure(); !failure.empty())
-        return fail(ErrorCode::io, "picture " + std::to_string(i + 1), failure, "Check the content in the studio.");
-      if (std::ranges::any_of(drawing, [](const std::unique_ptr<Child>& child) { return child->ended(); }))
-        return fail(ErrorCode::io, *browser, "The browser ended before all pictures were drawn." + tail_of(browser_log),
-                    "Try another browser with --browser.");
-      if (waited > patience)
-        return fail(ErrorCode::io, *browser, "The browser has drawn no picture for " + to_fixed(patience, 0) + " s." + tail_of(browser_log),
-                    "Give a smaller --size, or another browser with --browser.");
+  for (int i = 0; i < plan->count; ++i) {
+    const Result<Receiver::Picture> picture = next_picture(receiver, i, *plan, png, *drawing, *browser, log);
+    if (!picture) return fail(picture.error());
+    if (png) {
+      written.push_back(pictures[static_cast<std::size_t>(i)]);
+      if (Result<void> done = files::write_file(written.back(), picture->png); !done) return fail(std::move(done.error()));
     }
-    if (!outputs.png.empty()) {
-      const std::string& file = pictures[static_cast<std::size_t>(i)];
-      if (Result<void> done = files::write_file(file, picture.png); !done) return fail(std::move(done.error()));
-      written.push_back(file);
-    }
-    for (const Video& v : started)
-      if (!v.ffmpeg->write(picture.raw))
-        return fail(ErrorCode::io, v.file, "ffmpeg stopped." + tail_of(ffmpeg_log),
-                    "Check the permissions of the folder and the free space on the disk.");
+    if (Result<void> done = videos.write(picture->raw); !done) return fail(std::move(done.error()));
     receiver.done(i);
-    progress.show(static_cast<double>(i + 1) / count);
+    progress.show(static_cast<double>(i + 1) / plan->count);
   }
   progress.clear();
-  for (Video& v : started) {
-    if (!v.ffmpeg->wait())
-      return fail(interrupted() ? interrupted_error()
-                                : Error(ErrorCode::io, v.file, "ffmpeg reported an error." + tail_of(ffmpeg_log),
-                                        "Check that ffmpeg has the codec."));
-    fs::rename(v.part, v.file, ec);
-    if (ec) return fail(ErrorCode::io, v.file, "The video cannot be renamed: " + ec.message() + ".", "Check the folder's permissions.");
-    v.part.clear();
-    written.push_back(v.file);
-  }
+  Result<std::vector<std::string>> files = videos.finish();
+  if (!files) return files;
+  written.insert(written.end(), files->begin(), files->end());
   return written;
 }
 
