@@ -222,8 +222,9 @@ bool VelocitySolver::solve_densely(const Island& island, const SolverOptions& op
 /// @return true if the last sweep changed every velocity by less than the tolerance, or by less than DenseIsland::accepted_residual
 bool VelocitySolver::solve_island(const Island& island, const SolverOptions& options, SolverReport& report) {
   constexpr int round = 12;                 // sweeps between two checks of the convergence rate
+  constexpr int short_round = 4;  // the same before the semi-smooth Newton method is tried, which usually takes one to five steps
   constexpr int first_check = 2;            // sweeps before the first check
-  constexpr int patience = 8;               // sweeps that cost about as much as Newton's method, which usually takes two to five steps
+  constexpr int patience = 8;               // sweeps that cost about as much as Newton's method
   constexpr double semi_smooth_steps = 16;  // the semi-smooth Newton method is tried if this number of symmetric steps is affordable
   constexpr int crowd = 256;                // number of blocks of an island above which the coarse tolerance and half the sweeps are used
   budget_ = island_budget_;
@@ -237,7 +238,8 @@ bool VelocitySolver::solve_island(const Island& island, const SolverOptions& opt
     change = sweep(island, (sweeps & 1) != 0, crowded ? 0.01 * tolerance : 0);
     report.sweeps = std::max(report.sweeps, sweeps);
     if (change < tolerance || sweeps >= maximum) break;
-    if (sweeps != first_check && sweeps % round != 0) {
+    const int interval = semi_smooth_helps && !crowded ? short_round : round;
+    if (sweeps != first_check && sweeps % interval != 0) {
       if (sweeps == 1) before = change;
       continue;
     }
@@ -248,11 +250,11 @@ bool VelocitySolver::solve_island(const Island& island, const SolverOptions& opt
     before = change;
     if (then < tolerance || (crowded && sweeps <= round)) continue;
     newton_helps = newton_helps && order_systems(island, crowded ? 16 : 1);
-    if (newton_helps && semi_smooth_helps &&
-        budget_ > semi_smooth_steps * cost_) {  // at the next check, the augmented Lagrangian is used instead
+    if (semi_smooth_helps) {  // it is tried at most once; at the next check, the augmented Lagrangian is used instead
       semi_smooth_helps = false;
-      report.newton_steps += semi_smooth_newton(island, change, tolerance);
-      continue;
+      const bool affordable = newton_helps && budget_ > semi_smooth_steps * cost_;
+      if (affordable) report.newton_steps += semi_smooth_newton(island, change, tolerance);
+      if (affordable || (sweeps != first_check && sweeps % round != 0)) continue;
     }
     if (newton_helps) {
       report.newton_steps += newton(island, false, change, tolerance);
