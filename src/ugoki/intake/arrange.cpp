@@ -362,6 +362,14 @@ bool restore_ends(std::span<MeasuredMotion> motions, const Skeleton& with_ends, 
   return any;
 }
 
+/// True if the sections of all limbs begin at the same joints.
+bool same_sections(const body::Character& a, const body::Character& b) {
+  const auto same = [](const body::Limb& x, const body::Limb& y) {
+    return x.proximal == y.proximal && x.distal == y.distal && x.end == y.end;
+  };
+  return std::ranges::equal(a.legs, b.legs, same) && std::ranges::equal(a.arms, b.arms, same);
+}
+
 body::Character arrange_joints(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
                                bool mesh_ends) {
   const MeasuredMotion* longest = &motions[0];
@@ -527,7 +535,7 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
   if (!restore_ends(ended, with_ends, character)) return character;
   const auto longest = std::ranges::max_element(ended, {}, &MeasuredMotion::frames);
   body::Character again = body::recognise_character(*longest, mapping);
-  if (again.plan != body::BodyPlan::four_legs) return character;
+  if (again.plan != body::BodyPlan::four_legs || !same_sections(again, character)) return character;
   std::ranges::move(ended, motions.begin());
   return again;
 }
