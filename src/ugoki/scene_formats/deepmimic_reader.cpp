@@ -192,7 +192,9 @@ Result<MeasuredMotion> read_deepmimic(std::string_view text, std::string_view fi
   // World axes: (x, y, z) of the file is (x, -z, y). The same rotation turns the vector part of a quaternion.
   const auto quaternion = [](const std::vector<double>& row, std::size_t i) {
     const Vec3 v = to_z_up({row[i + 1], row[i + 2], row[i + 3]});
-    return normalized(Quat{row[i], v.x, v.y, v.z});
+    // Scaled first, because the squares of values above 1e154 overflow.
+    const double size = std::max({std::fabs(row[i]), std::fabs(v.x), std::fabs(v.y), std::fabs(v.z), 1e-300});
+    return normalized(Quat{row[i] / size, v.x / size, v.y / size, v.z / size});
   };
   std::size_t low = 0;
   for (int f = 0; f < out.frames; ++f) {
