@@ -28,7 +28,7 @@ TEST(Riding, TheRiderStaysInTheSaddleWithFeetInStirrupsAndReinsInHands) {
   EXPECT_LT(player.measures(mount).tracking_rms_deg, 3);
   EXPECT_LT(player.measures(rider).tracking_rms_deg, 3) << "the stirrups are no supports that pull the rider about";
   EXPECT_LT(player.measures(mount).assist_rms_bw, 0.06);
-  EXPECT_EQ(output(player, "control-rider.report")[7], 0) << "root assist";
+  EXPECT_EQ(output(player, "rider/control.report")[7], 0) << "root assist";
   const std::uint64_t hash = player.state_hash();
   ASSERT_TRUE(player.restore(saved));
   while (player.time() < 8) ASSERT_TRUE(player.step());

@@ -62,6 +62,8 @@ TEST(Recordings, EveryAnimationOfAGltfFileMovesTheSameBody) {
   EXPECT_EQ(count_of(*intake, store::EntryKind::motion), 14);
   EXPECT_EQ(count_of(*intake, store::EntryKind::measured), 14);
   EXPECT_TRUE(reports(*intake, "14 motions"));
+  EXPECT_GT(intake->body->mass, 2) << "kg: the mass of the body is that by which the unit was chosen";
+  EXPECT_LT(intake->body->mass, 14);
 }
 
 TEST(Recordings, MotionWrittenAsGlbIsReadBack) {

@@ -41,6 +41,10 @@ struct BalanceOptions {
   double max_step = 0.3;      ///< ground higher or lower than this share of the height of the centre of mass is no foothold
   double move_cost = 0.3;     ///< m: unevenness that a foothold may have, for each m by which it would move to even ground
   double choose_until = 0.7;  ///< phase of the swing up to which a foothold moves to even ground
+  double homing = 0.1;          ///< share of its lateral displacement by which the reference is ahead of the foot, back towards its own place
+  double max_homing = 0.02;     ///< maximum of this distance, in heights of the centre of mass
+  double max_turn_home = 0.03;  ///< rad: the same for the heading
+  double homing_slope = 0.05;   ///< slope of the ground from which on the reference does not return, because balance needs all of the step
   double heading_time = 0.2;  ///< s: time constant of the anchor's heading; 0: the heading is not anchored
   double turn_time = 0.1;     ///< s: time constant with which a foot that turns on the ground follows the heading of its reference
   double shift_growth = 1.5;  ///< 1/s: assumed growth rate of the DCM error until touch-down; without ankle torques the rate is w0

@@ -17,6 +17,8 @@ class ReferenceAnchor {
   [[nodiscard]] double rest() const { return rest_; }
 
  private:
+  static void home(const BalanceModel& model, const BalanceState& state, const Vec3& centre, Vec3& shift, double& turn);
+
   Vec3 rate_;
   double rest_ = 0;
 };

@@ -247,7 +247,10 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
                             ", along which trunk and legs of the character point; set the axes if it is wrong.");
   }
   const bool animal = character.plan == body::BodyPlan::four_legs;
-  set_size(motions, character, *species, notes, options, out);
+  // The body is made for all motions together, in which the limbs can begin at other joints than in the longest one.
+  const bool together = animal && !mapping && motions.size() > 1;
+  const body::Character whole = together ? body::recognise_character(joined(motions)) : character;
+  set_size(motions, whole.plan == body::BodyPlan::four_legs ? whole : character, *species, notes, options, out);
   std::vector<std::string> checks;
   for (MeasuredMotion& m : motions)
     if (std::string sentence = cut_at_jumps(character, m); !sentence.empty())

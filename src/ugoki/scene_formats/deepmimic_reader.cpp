@@ -214,7 +214,7 @@ Result<MeasuredMotion> read_deepmimic(std::string_view text, std::string_view fi
       const auto at_row = [&](const std::vector<double>& row, Vec3& position) {
         if (j.kind == Kind::root) position = to_z_up({row[i], row[i + 1], row[i + 2]});
         if (j.kind == Kind::root || j.kind == Kind::spherical) return quaternion(row, j.kind == Kind::root ? i + 3 : i);
-        return j.kind == Kind::revolute ? axis_angle({0, -1, 0}, row[i]) : Quat{};
+        return j.kind == Kind::revolute ? axis_angle({0, -1, 0}, std::remainder(row[i], 2 * pi)) : Quat{};
       };
       q = at_row(rows[a], p);
       if (part > 0) {
