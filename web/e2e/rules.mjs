@@ -75,7 +75,7 @@ export const rule_journeys = [
 
       // the generated circuit has the rules
       await page.getByRole('button', { name: 'Show as circuit' }).click();
-      await until(page, async () => (await hook(page, 'circuit()'))?.lsis.some((l) => l.type === 'motion choice'), 'the generated circuit');
+      await until(page, async () => (await hook(page, 'circuit()'))?.lsis.some((l) => l.type === 'play rule'), 'the generated circuit');
       await page.getByRole('tab', { name: 'Rules' }).click();
 
       // play: J is held, the character stands
