@@ -1,6 +1,6 @@
-import { describe, expect, it } from 'vitest';
-import { apply_command, type ScenarioDocument } from '../src/core/document';
-import { action_character, character_for_rule, condition_text, key_name, new_condition, possible_conditions, rule_lsi, rule_problem, rule_text, state_graph, transition_rule, variable_action, variable_condition, type Rule } from '../src/core/rules';
+import { choice_path, describe, expect, it } from 'vitest';
+import { choice_path, apply_command, type ScenarioDocument } from '../src/core/document';
+import { choice_path, action_character, character_for_rule, condition_text, key_name, new_condition, possible_conditions, rule_lsi, rule_problem, rule_text, state_graph, transition_rule, variable_action, variable_condition, type Rule } from '../src/core/rules';
 import { free_variable_name, new_variable, variable_pin, variable_text, type Variable } from '../src/core/variables';
 
 const control = { mode: 'track' as const, tracking: 1, balance: 1, assist_limit: 0.5, beyond: 'release' };
@@ -140,5 +140,15 @@ describe('transitions of the state graph', () => {
     expect(edges.filter((e) => !e.back).map((e) => [e.from, e.to])).toEqual([['', 'r1'], ['', 'r2'], ['r1', 'r2']]);
     expect(transition_rule(doc([walk, jump]), 'a', 'r1', '')).toBeNull();
     expect(transition_rule(doc([walk, jump]), 'a', 'r1', 'r1')).toBeNull();
+  });
+});
+
+describe('the choice of a character', () => {
+  it('is found in its nested circuit', () => {
+    const lsi = (character: string) => ({ id: 'choice', type: 'motion choice', parameters: { character } });
+    const circuit = { name: 'execution', lsis: [{ id: 'anna', type: 'character anna' }, { id: 'ben', type: 'character ben' }], circuits: [{ name: 'character anna', lsis: [] }, { name: 'character ben', lsis: [lsi('ben')] }] };
+    expect(choice_path(circuit, 'ben')).toBe('ben/choice');
+    expect(choice_path(circuit, 'anna')).toBeUndefined();
+    expect(choice_path(null, 'ben')).toBeUndefined();
   });
 });

@@ -1,4 +1,5 @@
 /** Rules of a scenario (docs/scenario.md): "when the ball touches the chest of Anna, play the fall". Sentences, defaults and the state graph. */
+import type { Circuit } from './circuit/form';
 import type { Character, Command, ScenarioDocument } from './document';
 import type { Vec3 } from './protocol';
 import { find_variable, variable_text } from './variables';
@@ -241,4 +242,14 @@ export function transition_rule(doc: ScenarioDocument, character: string, from: 
   const action = find_rule(doc, to)?.do;
   if (action?.type !== 'play' || from === to) return null;
   return { on: true, mode: 'when', if: [{ type: 'playing', character, rule: from }, new_condition('key', doc, character)], do: { ...action } };
+}
+
+/** Path of the LSI `motion choice` of a character in a generated circuit; undefined: there is none. */
+export function choice_path(circuit: Circuit | null | undefined, character: string | undefined): string | undefined {
+  for (const inner of circuit?.circuits ?? []) {
+    const lsi = inner.lsis?.find((l) => l.type === 'motion choice' && l.parameters?.character === character);
+    const box = lsi && circuit!.lsis?.find((l) => l.type === inner.name);
+    if (box) return `${box.id}/${lsi.id}`;
+  }
+  return undefined;
 }

@@ -1,6 +1,6 @@
 /** Rules panel: sentences by falling priority, and the state machine of one character. What just happened is marked, with a count. */
 import { useEffect, useState, type DragEvent, type ReactElement } from 'react';
-import { action_character, character_for_rule, new_condition, rule_lsi, rule_problem, rule_text, set_rule, transition_rule, type Rule } from '../../core/rules';
+import { action_character, character_for_rule, choice_path, new_condition, rule_lsi, rule_problem, rule_text, set_rule, transition_rule, type Rule } from '../../core/rules';
 import { variable_pin } from '../../core/variables';
 import type { ScenarioDocument } from '../../core/document';
 import { selected_character, shown_document } from '../../core/state';
@@ -49,7 +49,7 @@ export function RulesPanel(): ReactElement {
   const motion_name = (motion: string): string => session.entry(motion)?.name ?? motion;
   const selected = selection.kind === 'rule' ? rules.find((r) => r.id === selection.rule) : undefined;
   const shown = doc && character_for_rule(doc, (selected && action_character(selected.do)) || preferred || rules.flatMap((r) => (r.do.type === 'play' ? [r.do.character] : []))[0]);
-  const choice = generated?.lsis?.find((l) => l.type === 'motion choice' && l.parameters?.character === shown?.id)?.id;
+  const choice = choice_path(generated, shown?.id);
   const pins = edited ? [] : rules.filter((r) => r.on && !(doc && rule_problem(doc, r))).flatMap((r) => [`${rule_lsi(r)}.active`, `${rule_lsi(r)}.count`]);
   const variables = edited ? [] : (doc?.variables ?? []).map(variable_pin);
   const watched = [...pins, ...variables, ...(choice && !edited ? [`${choice}.now`] : [])];
