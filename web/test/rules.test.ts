@@ -1,5 +1,5 @@
-import { choice_path, describe, expect, it } from 'vitest';
-import { choice_path, apply_command, type ScenarioDocument } from '../src/core/document';
+import { describe, expect, it } from 'vitest';
+import { apply_command, type ScenarioDocument } from '../src/core/document';
 import { choice_path, action_character, character_for_rule, condition_text, key_name, new_condition, possible_conditions, rule_lsi, rule_problem, rule_text, state_graph, transition_rule, variable_action, variable_condition, type Rule } from '../src/core/rules';
 import { free_variable_name, new_variable, variable_pin, variable_text, type Variable } from '../src/core/variables';
 
