@@ -153,7 +153,7 @@ std::string numbered(const std::string& pattern, int number) {
 }
 bool is_pattern(const std::string& name) { return numbered(name, 1) != numbered(name, 2); }
 
-/// What is drawn.
+/// The pictures to draw, as options and content specify them.
 struct Plan {
   double rate = 0;  ///< pictures per second
   int count = 0;

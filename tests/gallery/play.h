@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 #include "ugoki/content/player.h"
 #include "ugoki/files/files.h"
 #include "ugoki/lsi/payload.h"
@@ -22,9 +25,12 @@ inline content::Player open_content(const std::string& name) {
   return std::move(*player);
 }
 
-/// The numbers of an output pin, for example "dynamics.applied".
+/// The numbers of an output pin, for example "dynamics.applied"; fails, and returns values that are no numbers, if there is no such pin.
 inline const double* output(content::Player& player, const char* pin) {
-  return reinterpret_cast<const double*>(player.interpreter().find_output(pin)->bytes.data());
+  static const std::vector<double> none(100, std::nan(""));
+  const auto found = player.interpreter().find_output(pin);
+  EXPECT_TRUE(found) << (found ? "" : found.error().text());
+  return found ? reinterpret_cast<const double*>(found->bytes.data()) : none.data();
 }
 
 /// The grips that are closed: of each, the force and the gap.

@@ -56,13 +56,18 @@ std::vector<Bone> horse(bool names) {
   return b;
 }
 
+/// Trunk, neck, head and tail of an animal.
+std::vector<Bone> spine() {
+  return {{"Torso", -1, {0, 0, 0.8}, {}},
+          {"Chest", 0, {0.7, 0, 0}, {}},
+          {"Neck", 1, {0.2, 0, 0.2}, {}},
+          {"Head", 2, {0.3, 0, 0.3}, {0.4, 0, -0.2}},
+          {"Tail", 0, {-0.2, 0, 0.1}, {-0.3, 0, -0.4}}};
+}
+
 TEST(LimbEnds, LimbsOfTwoBonesOnJointsThatDoNotTurnAreComplete) {
   // Hips and shoulders at the place of their parent are merged with it; feet are then added, so that the limbs keep three sections.
-  std::vector<Bone> bones = {{"Torso", -1, {0, 0, 0.8}, {}},
-                             {"Chest", 0, {0.7, 0, 0}, {}},
-                             {"Neck", 1, {0.2, 0, 0.2}, {}},
-                             {"Head", 2, {0.3, 0, 0.3}, {0.4, 0, -0.2}},
-                             {"Tail", 0, {-0.2, 0, 0.1}, {-0.3, 0, -0.4}}};
+  std::vector<Bone> bones = spine();
   for (const bool fore : {true, false})
     for (const auto& [side, y] : {std::pair(std::string(".L"), 0.2), {".R", -0.2}}) {
       const int girdle = static_cast<int>(bones.size());
@@ -83,11 +88,7 @@ TEST(LimbEnds, LimbsOfTwoBonesOnJointsThatDoNotTurnAreComplete) {
 }
 
 TEST(LimbEnds, EndsFromTheMeshStayOnThePawsOfARecognisedAnimal) {
-  std::vector<Bone> bones = {{"Torso", -1, {0, 0, 0.8}, {}},
-                             {"Chest", 0, {0.7, 0, 0}, {}},
-                             {"Neck", 1, {0.2, 0, 0.2}, {}},
-                             {"Head", 2, {0.3, 0, 0.3}, {0.4, 0, -0.2}},
-                             {"Tail", 0, {-0.2, 0, 0.1}, {-0.3, 0, -0.4}}};
+  std::vector<Bone> bones = spine();
   for (const bool fore : {true, false})
     for (const auto& [side, y] : {std::pair(std::string(".L"), 0.2), {".R", -0.2}}) {
       const int upper = static_cast<int>(bones.size());

@@ -5,6 +5,7 @@
 
 #include "ugoki/contact/augmented_law.h"
 #include "ugoki/contact/contact_law.h"
+#include "ugoki/contact/natural_map.h"
 
 namespace ugoki::contact {
 namespace {
@@ -160,38 +161,12 @@ void TreeIsland::find_velocities(std::span<const Vec6> links, std::span<const do
   }
 }
 
-/// Residual of the natural map of the laws, as in dense_island.h, with a = 0.1.
-/// @return m/s: maximum velocity error; infinite if an impulse is not finite
+/// Residual of the natural map of the laws. @return m/s: maximum velocity error; infinite if an impulse is not finite
 double TreeIsland::measure() const {
-  constexpr double a = 0.1;
-  double maximum = 0;
-  bool finite = true;
-  // An entry is a velocity for a row that obeys an equation, and an impulse times B for a row at its bound.
-  const auto add = [&](double metric, double change, bool at_bound) {
-    const double f = std::fabs(metric * change) / (at_bound ? a : 1);
-    finite = finite && std::isfinite(f);
-    maximum = std::max(maximum, f);
-  };
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    const RowBlock& b = blocks_[i];
-    if (places_[i].held) continue;
-    const double *p = p_.data() + b.row, *u = u_.data() + b.row, metric = a * b.B[0];
-    if (b.kind == RowKind::contact) {
-      const double metric_t = a * std::max(b.B[1], b.B[2]);
-      const double x_n = std::max(0.0, p[0] - (u[0] + b.compliance * b.B[0] * p[0]) / metric), radius = b.mu * (x_n + b.impact_impulse);
-      double x1 = p[1] - u[1] / metric_t, x2 = p[2] - u[2] / metric_t;
-      const bool slides = x1 * x1 + x2 * x2 > radius * radius;
-      clamp_to_disk(x1, x2, radius);
-      add(metric, p[0] - x_n, x_n <= 0);
-      add(metric_t, p[1] - x1, slides);
-      add(metric_t, p[2] - x2, slides);
-    } else {
-      const double x = p[0] - u[0] / metric;
-      const double bounded = b.kind == RowKind::limit ? std::max(0.0, x) : std::clamp(x, -b.bound, b.bound);
-      add(metric, p[0] - bounded, bounded != x);
-    }
-  }
-  return finite ? maximum : HUGE_VAL;
+  NaturalMap map{.augmentation = 0.1};
+  for (std::size_t i = 0; i < blocks_.size(); ++i)
+    if (!places_[i].held) map.add(blocks_[i], 0, p_.data() + blocks_[i].row, u_.data() + blocks_[i].row);
+  return std::isfinite(map.square) ? map.maximum : HUGE_VAL;
 }
 
 /// Calculates the law's impulses p and the matrices G of all blocks at the velocities u_ + length du_.

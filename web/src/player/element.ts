@@ -3,10 +3,10 @@
  * is played), `autoplay`, `theme` (dark, light), `tool` (pull, push), `controls="none"`. docs/export.md describes its methods and events.
  */
 import { format_time } from '../core/format';
-import { assist_force, assist_over_cap, body_weight, CharacterState, state_of } from '../core/frames';
+import { assist_force, body_weight, CharacterState, state_of } from '../core/frames';
 import { describe_devices, PlayControls, reads_anything } from '../core/play_controls';
 import type { Vec3 } from '../core/protocol';
-import { variable_text } from '../core/variables';
+import { show_assist, show_variables } from './cards';
 import type { Engine, RecordedInput, Scene } from './engine';
 import { Gestures, type GestureHost, type Tool } from './gestures';
 import css from './player.css?inline';
@@ -449,41 +449,9 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
     for (const bar of [this.parts.progress, this.parts.line]) (bar.firstElementChild as HTMLElement).style.transform = done;
     const slow = this.running && this.real_time < 0.9 * this.rate;
     this.parts.rate.textContent = slow ? `${this.real_time.toFixed(2)}× real time` : '';
-    this.show_variables(engine);
+    show_variables(this.parts.board, engine);
     if (!frame) return;
-    const lines: string[] = [];
-    engine.scene.characters.forEach((c, i) => {
-      const at = frame.characters[i];
-      if (!c.tracks || !at || lines.length >= 4) return;
-      const released = state_of(frame, at) === CharacterState.released;
-      const weight = body_weight(frame, at);
-      const share = weight > 0 ? Math.hypot(...assist_force(frame, at)) / weight : 0;
-      const over = assist_over_cap(frame, at);
-      const grade = released || over > 0.7 ? 'bad' : over > 0.3 ? 'fair' : 'good';
-      lines.push(`<div data-grade="${grade}"><span></span><span>${released ? 'released' : `${(100 * share).toFixed(1)} %`}</span></div>`);
-    });
-    const { assist } = this.parts;
-    assist.hidden = lines.length === 0;
-    assist.innerHTML = lines.join('');
-    const tracked = engine.scene.characters.filter((c) => c.tracks);
-    assist.querySelectorAll('div > span:first-child').forEach((cell, i) => {
-      cell.textContent = tracked.length > 1 ? `Assist, ${tracked[i]!.name}` : 'Root assist';
-    });
-  }
-
-  private show_variables(engine: Engine): void {
-    const { board } = this.parts;
-    const variables = engine.scene.variables ?? [];
-    board.hidden = variables.length === 0;
-    if (board.childElementCount !== variables.length)
-      board.replaceChildren(
-        ...variables.map((variable) => {
-          const row = document.createElement('div');
-          row.append(Object.assign(document.createElement('dt'), { textContent: variable.name }), document.createElement('dd'));
-          return row;
-        }),
-      );
-    variables.forEach((variable, i) => (board.children[i]!.lastElementChild!.textContent = variable_text(variable, engine.variables[i] ?? variable.initial)));
+    show_assist(this.parts.assist, engine.scene, frame);
   }
 
   private show_state(): void {
