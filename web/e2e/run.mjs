@@ -20,16 +20,25 @@ let skipped = 0;
 const document_of = (page) => page.evaluate('JSON.stringify([window.ugoki?.document?.() ?? null, window.ugoki?.undo?.().undo_label ?? null])');
 
 /**
- * Restores the studio after a failed journey: loads the page again and undoes commands until document_of() equals `before`, its value at the
+ * Restores the studio after a failed journey: loads the page again, opens the project of the journeys if another is open, and undoes commands until document_of() equals `before`, its value at the
  * beginning of the journey. Otherwise an open dialog or a changed document would let the following journeys fail too.
  */
-async function recover(page, before) {
+async function recover(page, before, folder) {
   await page.unrouteAll({ behavior: 'ignoreErrors' });
   await page.reload();
   // not ready(): while the circuit fills the window, no picture is drawn
   await page.waitForFunction(() => window.ugoki?.connected, undefined, { timeout: 60000 });
   await page.waitForTimeout(1000);
   await page.getByRole('radio', { name: 'Edit' }).click();
+  const project = 'sample.ugoki'; // of start_service()
+  if ((await page.locator('.project-name').textContent()) !== project) {
+    await page.keyboard.press('Control+o');
+    await page.getByRole('dialog', { name: 'Open project' }).waitFor();
+    await page.keyboard.type(`${folder}/${project}`);
+    await page.keyboard.press('Enter');
+    await page.locator('.project-name', { hasText: project }).waitFor({ timeout: 30000 });
+    await page.waitForTimeout(1000);
+  }
   for (let undone = 0; undone < 50 && (await document_of(page)) !== before; undone++) {
     if (!(await page.evaluate('window.ugoki.undo().can_undo'))) break;
     await page.keyboard.press('Control+z');
@@ -60,7 +69,7 @@ async function attempt(journey, context, before) {
     await page.screenshot({ path: new URL(`./out/failed-${passed + failed + 1}.png`, import.meta.url).pathname }).catch(() => undefined);
     if (service.ended()) throw new Error(`the service ended during the journey '${journey.name}': ${service.output().slice(-1500)}`, { cause: error });
     if (!before) throw error;
-    await recover(page, before).catch((second) => {
+    await recover(page, before, service.folder).catch((second) => {
       throw new Error(`${error.message ?? error}\nand the studio was not restored: ${second.message ?? second}`);
     });
     seen.errors.length = errors;
@@ -113,7 +122,7 @@ async function main() {
         console.log(`not ok ${journey.name}\n  ${indented(error)}`);
         failed++;
         if (service.ended()) throw error;
-        if (before) await recover(page, before).catch((e) => console.log(`  the studio was not restored: ${e.message}`));
+        if (before) await recover(page, before, service.folder).catch((e) => console.log(`  the studio was not restored: ${e.message}`));
       }
     }
     if (failed > 0) console.log(`  output of the service: ${service.output().slice(-1500)}`);

@@ -118,7 +118,8 @@ export const session_journeys = [
       await blur(page);
       await command('new project');
       await page.getByRole('dialog', { name: 'New project' }).waitFor();
-      await page.keyboard.type('by-keys');
+      const name = `by-keys-${Date.now()}`; // a second attempt cannot make the same project again
+      await page.keyboard.type(name);
       await page.keyboard.press('Shift+Tab');
       for (let i = 0; (await focused(page, 'document.activeElement.dataset.entry')) !== 'empty'; i++) {
         assert.ok(i < 40, 'arrow keys reach the empty project');
@@ -127,7 +128,7 @@ export const session_journeys = [
       await page.screenshot({ path: `${pictures}keys-new.png` });
       await page.keyboard.press('Tab');
       await page.keyboard.press('Enter');
-      await until(page, async () => (await page.locator('.project-name').textContent()) === 'by-keys.ugoki' && (await document_of(page)).characters.length === 0, 'the empty project');
+      await until(page, async () => (await page.locator('.project-name').textContent()) === `${name}.ugoki` && (await document_of(page)).characters.length === 0, 'the empty project');
 
       const add = async (words, name) => {
         await page.keyboard.press('/');

@@ -272,6 +272,24 @@ describe('Session', () => {
     transport('edit', 0);
     expect(session.state.summary.characters).toHaveLength(0);
   });
+  it('keeps the playhead of the newest step while the service confirms earlier ones', async () => {
+    const { session, socket } = await start();
+    const confirmed = (time: number, more = {}) => socket.deliver({ event: 'transport', ...hello().transport, time, ...more });
+    const frame = 1 / session.state.document!.frame_rate;
+    for (let i = 0; i < 3; i++) session.step(1);
+    for (const steps of [1, 2, 3]) {
+      confirmed(steps * frame);
+      expect(session.now).toBeCloseTo(3 * frame, 9);
+    }
+    // a time that this page did not ask for (another window moved the playhead), and playing
+    session.step(1);
+    confirmed(1.25);
+    expect(session.now).toBe(1.25);
+    session.seek(2);
+    confirmed(0.5, { playing: true });
+    confirmed(0.75);
+    expect(session.now).toBe(0.75);
+  });
   it('follows the first character of a scenario that was empty', async () => {
     const session = new Session({ make_socket, fetch: () => Promise.resolve(new Response('{}')) });
     session.start();

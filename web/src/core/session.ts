@@ -2,6 +2,7 @@
  * The session of one page with the service: the page's state, the requests that change it, and the events that update it. Framework-free.
  */
 import { createStore, type StoreApi } from 'zustand/vanilla';
+import { AwaitedTimes } from './awaited_times';
 import { ClassList } from './circuit/classes';
 import { condition_alone, type Breakpoint } from './circuit/breakpoints';
 import { LiveValues } from './circuit/live';
@@ -53,6 +54,7 @@ export class Session {
    */
   private expected_edit: { from: number; changes: string; document: ScenarioDocument } | null = null;
   private next_id = 1;
+  private readonly awaited = new AwaitedTimes();
   private preview_timer: ReturnType<typeof setTimeout> | null = null;
   private readonly fetching = new Map<string, Promise<void>>();
 
@@ -83,9 +85,7 @@ export class Session {
     );
   }
 
-  get state(): StudioState {
-    return this.store.getState();
-  }
+  get state(): StudioState { return this.store.getState(); }
 
   set(part: Partial<StudioState>): void {
     this.store.setState(part);
@@ -239,8 +239,7 @@ export class Session {
   /** Moves one display frame forwards or backwards. */
   step(frames: 1 | -1): void {
     const { transport, document } = this.state;
-    // an edit at the playhead may follow before the service answers
-    if (transport.mode === 'edit' && !transport.playing && document) this.set({ transport: { ...transport, time: frame_after(document, transport.time, frames) } });
+    if (transport.mode === 'edit' && !transport.playing && document) this.move_to(frame_after(document, transport.time, frames));
     this.send({ op: 'step', frames });
   }
 
@@ -260,10 +259,14 @@ export class Session {
    */
   seek(time: number): void {
     const { transport, document } = this.state;
-    const limit = document?.duration ?? transport.duration;
-    const clamped = Math.min(Math.max(0, time), limit);
-    this.set({ transport: { ...transport, time: clamped } });
+    const clamped = Math.min(Math.max(0, time), document?.duration ?? transport.duration);
+    this.move_to(clamped);
     this.seeks.offer(clamped);
+  }
+
+  private move_to(time: number): void {
+    this.awaited.add(time);
+    this.set({ transport: { ...this.state.transport, time } });
   }
 
   /** Time of the latest frame while playing, otherwise time of the playhead, s. */
@@ -466,6 +469,7 @@ export class Session {
 
   private connected(hello: HelloReply): void {
     this.watches.forget();
+    this.awaited.clear();
     this.controls.forget();
     this.controls.set_devices(read_devices(hello.devices));
     if (hello.lsis) this.take_lsis(hello.lsis);
@@ -532,6 +536,8 @@ export class Session {
         if (breakpoint_hit && (transport.playing || Math.abs(transport.time - breakpoint_hit.time) > 1e-9)) this.set({ breakpoint_hit: null });
         if (transport.playing) this.wanted_speed = null;
         else if (this.wanted_speed !== null) transport.speed = this.wanted_speed;
+        if (transport.playing || transport.mode !== this.state.transport.mode) this.awaited.clear();
+        else if (this.awaited.is_old(transport.time)) transport.time = this.state.transport.time;
         this.set({ transport: { ...this.state.transport, ...transport } });
         break;
       }
