@@ -272,23 +272,42 @@ describe('Session', () => {
     transport('edit', 0);
     expect(session.state.summary.characters).toHaveLength(0);
   });
-  it('keeps the playhead of the newest step while the service confirms earlier ones', async () => {
+  it('keeps the playhead of the newest step or seek until the service has answered it', async () => {
     const { session, socket } = await start();
-    const confirmed = (time: number, more = {}) => socket.deliver({ event: 'transport', ...hello().transport, time, ...more });
+    const report = (time: number, more = {}) => socket.deliver({ event: 'transport', ...hello().transport, time, ...more });
+    const answer = (request: number) => {
+      socket.deliver({ reply: request, ok: true });
+      return vi.advanceTimersByTimeAsync(0);
+    };
     const frame = 1 / session.state.document!.frame_rate;
     for (let i = 0; i < 3; i++) session.step(1);
-    for (const steps of [1, 2, 3]) {
-      confirmed(steps * frame);
+    const steps = socket.sent.slice(-3).map((request) => request.id as number);
+    report(0); // the changed content of an edit before
+    expect(session.now).toBeCloseTo(3 * frame, 9);
+    for (let i = 0; i < 3; i++) {
+      report((i + 1) * frame);
+      await answer(steps[i]!);
       expect(session.now).toBeCloseTo(3 * frame, 9);
     }
-    // a time that this page did not ask for (another window moved the playhead), and playing
-    session.step(1);
-    confirmed(1.25);
+    // a move by another window is shown, at the latest with the answer
+    report(1.25);
     expect(session.now).toBe(1.25);
+    session.step(1);
+    const last = socket.sent.at(-1)!.id as number;
+    report(1.25 + frame);
+    report(0.25);
+    await answer(last);
+    expect(session.now).toBe(0.25);
+    // of many seeks, only the last is sent after the first
     session.seek(2);
-    confirmed(0.5, { playing: true });
-    confirmed(0.75);
-    expect(session.now).toBe(0.75);
+    session.seek(3);
+    const first = socket.sent.at(-1)!.id as number;
+    report(2);
+    await answer(first);
+    expect(session.now).toBe(3);
+    // playing and another mode show the reported time at once
+    report(0.5, { playing: true });
+    expect(session.state.transport.time).toBe(0.5);
   });
   it('follows the first character of a scenario that was empty', async () => {
     const session = new Session({ make_socket, fetch: () => Promise.resolve(new Response('{}')) });

@@ -176,6 +176,9 @@ export class LatestOnly<T> {
     if (!this.busy) this.next();
   }
 
+  /** Whether a value has not been sent yet. */
+  get waiting(): boolean { return this.pending !== null; }
+
   /** Discards the value that has not been sent yet. */
   drop(): void {
     this.pending = null;

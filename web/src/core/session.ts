@@ -2,7 +2,6 @@
  * The session of one page with the service: the page's state, the requests that change it, and the events that update it. Framework-free.
  */
 import { createStore, type StoreApi } from 'zustand/vanilla';
-import { AwaitedTimes } from './awaited_times';
 import { ClassList } from './circuit/classes';
 import { condition_alone, type Breakpoint } from './circuit/breakpoints';
 import { LiveValues } from './circuit/live';
@@ -24,6 +23,7 @@ import {
   type ServiceEvent,
   type Vec3,
 } from './protocol';
+import { UnconfirmedMoves } from './unconfirmed_moves';
 import { Watches } from './watches';
 import { is_pull } from './pulls';
 import { initial_state, read_choices, valid_selection, type Selection, type StudioState, type Toast } from './state';
@@ -54,7 +54,7 @@ export class Session {
    */
   private expected_edit: { from: number; changes: string; document: ScenarioDocument } | null = null;
   private next_id = 1;
-  private readonly awaited = new AwaitedTimes();
+  private readonly moves = new UnconfirmedMoves(() => this.seeks.waiting, (time) => this.move_to(time));
   private preview_timer: ReturnType<typeof setTimeout> | null = null;
   private readonly fetching = new Map<string, Promise<void>>();
 
@@ -71,7 +71,7 @@ export class Session {
       if (state.view.closest !== before.view.closest || (state.connection === 'open' && before.connection !== 'open' && state.view.closest)) this.send_watch();
     });
     this.seeks = new LatestOnly(
-      (time) => this.client.request({ op: 'seek', time }),
+      (time) => this.moves.add(this.client.request({ op: 'seek', time })),
       (error) => this.fail(error),
     );
     this.drags = new LatestOnly(
@@ -240,7 +240,7 @@ export class Session {
   step(frames: 1 | -1): void {
     const { transport, document } = this.state;
     if (transport.mode === 'edit' && !transport.playing && document) this.move_to(frame_after(document, transport.time, frames));
-    this.send({ op: 'step', frames });
+    void this.moves.add(this.request({ op: 'step', frames }));
   }
 
   /** Advances the simulation by one step of dynamics (one tick) and pauses. */
@@ -264,10 +264,7 @@ export class Session {
     this.seeks.offer(clamped);
   }
 
-  private move_to(time: number): void {
-    this.awaited.add(time);
-    this.set({ transport: { ...this.state.transport, time } });
-  }
+  private move_to(time: number): void { this.set({ transport: { ...this.state.transport, time } }); }
 
   /** Time of the latest frame while playing, otherwise time of the playhead, s. */
   get now(): number {
@@ -469,7 +466,6 @@ export class Session {
 
   private connected(hello: HelloReply): void {
     this.watches.forget();
-    this.awaited.clear();
     this.controls.forget();
     this.controls.set_devices(read_devices(hello.devices));
     if (hello.lsis) this.take_lsis(hello.lsis);
@@ -536,8 +532,8 @@ export class Session {
         if (breakpoint_hit && (transport.playing || Math.abs(transport.time - breakpoint_hit.time) > 1e-9)) this.set({ breakpoint_hit: null });
         if (transport.playing) this.wanted_speed = null;
         else if (this.wanted_speed !== null) transport.speed = this.wanted_speed;
-        if (transport.playing || transport.mode !== this.state.transport.mode) this.awaited.clear();
-        else if (this.awaited.is_old(transport.time)) transport.time = this.state.transport.time;
+        if (transport.playing || transport.mode !== this.state.transport.mode) this.moves.forget();
+        else if (this.moves.hides(transport.time)) transport.time = this.state.transport.time;
         this.set({ transport: { ...this.state.transport, ...transport } });
         break;
       }
