@@ -107,6 +107,8 @@ void run(void (*target)(const std::uint8_t*, std::size_t), int count, std::uint6
   for (int i = 0; i < count; ++i) {
     std::string input = all[below(random, all.size())];
     for (std::uint64_t k = 1 + random() % 4; k > 0; --k) change(input, all, random, numbers_only);
+    if (const char* found = std::getenv("UGOKI_UGX_FOUND"); found != nullptr)  // saves the input that aborts the process
+      std::ofstream(std::string(found) + "/current", std::ios::binary) << input;
     const std::clock_t began = std::clock();  // processor time: the machine may be busy
     target(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
     const double seconds = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
@@ -170,19 +172,12 @@ struct Reader {
 };
 constexpr Reader readers[] = {{"mvnx", fuzz_mvnx},       {"usda", fuzz_usda},           {"smpl", fuzz_smpl},
                               {"opensim", fuzz_opensim}, {"deepmimic", fuzz_deepmimic}, {"csv", fuzz_csv}};
-TEST(HostileMotions, ReadersStandChangedData) {
-  for (const Reader& r : readers) {
-    SCOPED_TRACE(r.seeds);
-    run(r.target, 1'000, 6, {r.seeds}, false);
-  }
-}
-TEST(SlowHostileMotions, ReadersStandAMillionChangedData) {
-  for (const Reader& r : readers) {
-    SCOPED_TRACE(r.seeds);
-    std::printf("%s: ", r.seeds);
-    run(r.target, 1'000'000, 7, {r.seeds}, false);
-  }
-}
-
+class HostileMotions : public testing::TestWithParam<Reader> {};
+class SlowHostileMotions : public HostileMotions {};
+std::string seeds_of(const testing::TestParamInfo<Reader>& each) { return each.param.seeds; }
+INSTANTIATE_TEST_SUITE_P(Each, HostileMotions, testing::ValuesIn(readers), seeds_of);
+INSTANTIATE_TEST_SUITE_P(Slow_Each, SlowHostileMotions, testing::ValuesIn(readers), seeds_of);
+TEST_P(HostileMotions, ReaderStandsChangedData) { run(GetParam().target, 1'000, 6, {GetParam().seeds}, false); }
+TEST_P(SlowHostileMotions, ReaderStandsAMillionChangedData) { run(GetParam().target, 1'000'000, 7, {GetParam().seeds}, false); }
 }  // namespace
 }  // namespace ugoki

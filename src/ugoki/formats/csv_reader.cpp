@@ -16,6 +16,8 @@
 namespace ugoki::formats {
 namespace {
 
+constexpr double max_angle = 1e7;  ///< rad; in degrees still a number that the reader accepts
+
 /// The point and the component in a column: "LASI" and 0 for "LASI.x". An empty name: the column is not a component of a point.
 struct Component {
   std::string_view name;
@@ -269,7 +271,17 @@ Result<Motion> read_csv(std::string_view text, std::string_view file_name, const
         if (problems.full()) return fail(problems.take());
         continue;
       }
-      motion.q[r * nq + found->second] = x * unit;
+      // write_csv writes degrees and metres, and numbers above 1e9 are not read.
+      const double value = x * unit;
+      if (std::fabs(value) > (kind == CsvCoordinate::Kind::angle ? max_angle : 1e9)) {
+        problems.add(ErrorCode::range, table.lines[r],
+                     "The value " + to_text(x) + " of " + in_quotes(column.name) + " is too large; the maximum is " +
+                         (kind == CsvCoordinate::Kind::angle ? to_text(max_angle) + " rad." : "1e9 m."),
+                     "Check the value and its unit.");
+        if (problems.full()) return fail(problems.take());
+        continue;
+      }
+      motion.q[r * nq + found->second] = value;
     }
   }
   if (!problems.empty()) return fail(problems.take());
