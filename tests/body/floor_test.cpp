@@ -62,6 +62,24 @@ TEST(Floor, WalkingOnTheSpotUsesTheLowestFrames) {
   EXPECT_NEAR(calc_floor_pose(*body, spot).p.z, calc_floor_pose(*make_body(standing), standing).p.z, 1e-3);
 }
 
+// Toes of cartoon characters with large feet sink into the floor for a short time while the heel leaves it.
+TEST(Floor, SunkenToesDoNotLowerTheFloor) {
+  MeasuredMotion motion = testing::made_character(240, 0.25);
+  const auto before = make_body(motion);
+  ASSERT_TRUE(before);
+  const std::size_t n = motion.skeleton.joints.size();
+  for (int f = 0; f < motion.frames; ++f) {
+    if (f % 40 < 34) continue;
+    for (const Sole& sole : before->soles) {
+      Quat& turn = motion.rotations[static_cast<std::size_t>(f) * n + static_cast<std::size_t>(sole.foot)];
+      turn = turn * axis_angle({0, 1, 0}, 1.3);
+    }
+  }
+  const auto body = make_body(motion);
+  ASSERT_TRUE(body);
+  EXPECT_NEAR(calc_floor_pose(*body, motion).p.z, calc_floor_pose(*before, motion).p.z, 0.01);
+}
+
 /// A single ball-shaped foot that comes down, stands, leaves, and touches the ground briefly.
 struct Hopper {
   MechanismPtr mechanism;

@@ -66,6 +66,24 @@ TEST(Recordings, EveryAnimationOfAGltfFileMovesTheSameBody) {
   EXPECT_LT(intake->body->mass, 14);
 }
 
+// A short motion shows less of an animal than all motions of its file.
+TEST(Recordings, AChosenAnimationHasPartsAndSizeByAllAnimations) {
+  const std::string bytes = slurp("animal/fox-animations.glb");
+  if (bytes.empty()) GTEST_SKIP() << "no shared data";
+  const auto all = take_in(bytes, "fox-animations.glb");
+  ASSERT_TRUE(all.has_value()) << all.error().text();
+  for (std::size_t k = 0; k < all->takes.size(); k += 3) {
+    IntakeOptions options;
+    options.take = std::to_string(k + 1);
+    const auto one = take_in(bytes, "fox-animations.glb", nullptr, options);
+    ASSERT_TRUE(one.has_value()) << one.error().text();
+    EXPECT_EQ(one->metres_per_unit, all->metres_per_unit) << all->takes[k];
+    EXPECT_EQ(one->body->anatomy.plan, "four legs") << all->takes[k];
+    EXPECT_EQ(one->measured->name, all->takes[k]);
+    EXPECT_EQ(count_of(*one, store::EntryKind::motion), 1);
+  }
+}
+
 TEST(Recordings, MotionWrittenAsGlbIsReadBack) {
   MeasuredMotion m;
   m.name = "swing";

@@ -132,5 +132,30 @@ TEST(FeetOnFloor, SwingingFootKeepsItsHeightAndStaysAboveTheFloor) {
   EXPECT_NEAR(lowest(*m, at(out), "foot right"), lowest(*m, at(motion), "foot right") + 0.015, 2e-3);
 }
 
+// The right foot turns its toes into the floor while its ankle stays at the height of standing.
+TEST(FeetOnFloor, SunkenToesTurnTheFootInsteadOfLiftingTheLeg) {
+  const MechanismPtr m = walker();
+  Motion motion = standing(*m, 120);
+  constexpr double pitch = 0.9;  // rad; the toes sink by 0.12 m
+  for (int f = 0; f < motion.frames; ++f) {
+    pose(*m, 0.3, 0.3, leg_length(0.3), motion.frame(f));
+    const double s = f < 70 || f > 110 ? 0 : std::sin((f - 70) / 40.0 * 3.14159265358979);
+    double* ankle = motion.frame(f) + 7 + 5;  // of the right leg
+    const Quat turned = Quat{ankle[0], ankle[1], ankle[2], ankle[3]} * axis_angle({0, 1, 0}, pitch * s);
+    ankle[0] = turned.w, ankle[1] = turned.x, ankle[2] = turned.y, ankle[3] = turned.z;
+  }
+  ASSERT_LT(lowest(*m, std::span(motion.frame(90), static_cast<std::size_t>(m->nq())), "foot right"), -0.1);
+  const Motion out = with_feet_on_floor(motion, *m, 0);
+  std::vector<Pose> before(static_cast<std::size_t>(m->link_count())), after = before;
+  const auto foot = static_cast<std::size_t>(m->find_link("foot right"));
+  for (int f = 0; f < out.frames; ++f) {
+    const std::span<const double> q(out.frame(f), static_cast<std::size_t>(m->nq()));
+    EXPECT_GT(lowest(*m, q, "foot right"), -2e-3) << f;
+    calc_poses(*m, {motion.frame(f), q.size()}, before);
+    calc_poses(*m, q, after);
+    EXPECT_LT(after[foot].p.z - before[foot].p.z, 0.03) << f;  // lifted by 0.12 m without the turn
+  }
+}
+
 }  // namespace
 }  // namespace ugoki

@@ -390,11 +390,14 @@ class Maker {
       if (!l.follows) scale(l.inertia, out_.mass / sum);
   }
 
-  /// Sets the strength of the joints. Joints that carry others can bear the body's weight at their lever. Time constants follow from the
-  /// size: sqrt(height / g).
+  /// Sets the strength of the joints. Joints that carry others can bear the body's weight at their lever. The stress of muscles does not
+  /// depend on the size of an animal, so torques per mass do not either (A. V. Hill 1950): those of small animals have the lever of a person.
+  /// Time constants follow from the size: sqrt(height / g).
   void find_strengths() {
     const double lever = std::max(out_.height, 0.25 * size_);
-    const double moment = out_.mass * gravity * lever, time = std::sqrt(lever / gravity);
+    constexpr double person = 1.7;  // m
+    const double moment = out_.mass * gravity * lever, strength = out_.mass * gravity * std::max(lever, person);
+    const double time = std::sqrt(lever / gravity);
     std::vector<double> behind(at(n_), 0);
     for (int i = n_ - 1; i >= 0; --i) {
       behind[at(i)] += link(i).inertia.mass;
@@ -402,7 +405,7 @@ class Maker {
     }
     for (int i = 0; i < n_; ++i) {
       const double share = std::clamp(std::sqrt(behind[at(i)] / out_.mass), 0.1, 1.0);
-      link(i).strength = moment;
+      link(i).strength = strength;
       link(i).damping = 0.004 * share * moment * time;
       link(i).armature = 2e-4 * share * out_.mass * lever * lever;
     }

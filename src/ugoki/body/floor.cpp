@@ -109,22 +109,44 @@ Vec3 median_direction(const std::vector<Mat3>& R, const std::vector<int>& frames
 }
 
 /// Handles walking on the spot (treadmill, game loop): stance feet slide there, and feet are slow only at the reversal in the air.
-/// Feet then go below the floor found from slow feet, so the frames with the lowest feet become the stances.
+/// Feet then go below the floor found from slow feet, so the frames with the lowest feet become the stances. A runner's foot stands for a
+/// quarter of a stride; toes of hand-animated characters that sink into the floor while the heel leaves it are below for a shorter time.
 /// @return true if this case was detected and `stances` was replaced
 bool stand_where_lowest(const std::vector<Track>& tracks, double scale, std::vector<Stance>& stances) {
+  constexpr double shortest = 0.2;  // share of the stride
   std::vector<double> slow, all;
   for (std::size_t s = 0; s < tracks.size(); ++s) {
     for (const int f : stances[s].frames) slow.push_back(tracks[s].ball[at(f)].z);
     for (const Vec3& p : tracks[s].ball) all.push_back(p.z);
   }
   const double lowest = percentile(all, 0.02);
-  if (percentile(slow, 0.1) < lowest + 0.08 * scale) return false;
+  const double floor = percentile(slow, 0.1);
+  if (floor < lowest + 0.08 * scale || percentile(all, shortest) > floor - 0.04 * scale) return false;
   for (std::size_t s = 0; s < tracks.size(); ++s) {
     stances[s].frames.clear();
     for (std::size_t f = 0; f < tracks[s].ball.size(); ++f)
       if (tracks[s].ball[f].z < lowest + 0.04 * scale) stances[s].frames.push_back(static_cast<int>(f));
   }
   return true;
+}
+
+/// Removes stances in which the ball is far below its level while the foot is flat. The large feet of cartoon characters sink with the toes
+/// while the heel leaves the floor.
+void remove_sunken(const Track& track, double scale, std::vector<int>& frames) {
+  constexpr double pitch = 0.25;  // sine of the angle by which a foot that is not flat is pitched
+  std::vector<double> rise;       // m, of the ankle above the ball
+  for (const int f : frames) rise.push_back(track.ankle[at(f)].z - track.ball[at(f)].z);
+  if (rise.empty()) return;
+  const double flat = percentile(rise, 0.1) + pitch * norm(track.ankle[0] - track.ball[0]);
+  std::vector<double> level;
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    if (rise[k] < flat) level.push_back(track.ball[at(frames[k])].z);
+  if (level.size() < 4) return;
+  const double lowest = median(level) - 0.04 * scale;
+  std::erase_if(frames, [&](int f) {
+    const Vec3 ankle = track.ankle[at(f)], ball = track.ball[at(f)];
+    return ball.z < lowest && ankle.z - ball.z >= flat;
+  });
 }
 
 }  // namespace
@@ -149,6 +171,7 @@ FloorFit fit_floor(const MeasuredMotion& m, std::span<const Sole> soles, double 
   }
   if (found == 0) return fit;
   fit.found = true;
+  for (std::size_t s = 0; s < soles.size(); ++s) remove_sunken(tracks[s], scale, fit.stances[s].frames);
   const bool on_the_spot = stand_where_lowest(tracks, scale, fit.stances);
   const Vec3 slope = on_the_spot ? Vec3{} : find_slope(tracks, fit.stances);
   const Vec3 up = normalized(Vec3{-slope.x, -slope.y, 1});

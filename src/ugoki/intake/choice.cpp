@@ -56,17 +56,14 @@ Result<void> choose_character(std::span<MeasuredMotion> motions, std::span<const
   return {};
 }
 
-Result<void> choose_take(std::vector<MeasuredMotion>& motions, const std::string& wanted, const std::string& location) {
+Result<std::size_t> find_take(std::span<const MeasuredMotion> motions, const std::string& wanted, const std::string& location) {
   std::vector<std::string> names;
   for (const MeasuredMotion& m : motions) names.push_back(m.name);
   const int chosen = find_choice(names, wanted);
   if (chosen < 0)
     return fail(ErrorCode::unknown, location, "The file has no motion '" + wanted + "'.",
                 "Its motions are 1 to " + std::to_string(names.size()) + ": " + list_of(names) + ".");
-  MeasuredMotion only = std::move(motions[at(chosen)]);
-  motions.clear();
-  motions.push_back(std::move(only));
-  return {};
+  return at(chosen);
 }
 
 }  // namespace ugoki::intake

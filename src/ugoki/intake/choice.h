@@ -19,7 +19,8 @@ namespace ugoki::intake {
 Result<void> choose_character(std::span<MeasuredMotion> motions, std::span<const int> roots, const std::string& wanted,
                               const std::string& location);
 
-/// Keeps one motion. @param wanted number from 1, or name. Errors: there is no such motion.
-Result<void> choose_take(std::vector<MeasuredMotion>& motions, const std::string& wanted, const std::string& location);
+/// Index of one motion. @param wanted number from 1, or name. Errors: there is no such motion.
+[[nodiscard]] Result<std::size_t> find_take(std::span<const MeasuredMotion> motions, const std::string& wanted,
+                                            const std::string& location);
 
 }  // namespace ugoki::intake

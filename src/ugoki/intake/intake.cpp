@@ -133,13 +133,11 @@ void apply_corrections(std::vector<MeasuredMotion>& motions, const formats::Read
   }
 }
 
-/// Lists the takes and characters of the file in `out`, and keeps those that the caller chose.
+/// Lists the takes and characters of the file in `out`, and keeps the character that the caller chose.
 Result<void> choose(std::vector<MeasuredMotion>& motions, const IntakeOptions& options, const std::string& location, Intake& out,
                     std::vector<std::string>& remarks) {
   if (motions.size() > 1)
     for (const MeasuredMotion& m : motions) out.takes.push_back(m.name);
-  if (!options.take.empty())
-    if (Result<void> chosen = choose_take(motions, options.take, location); !chosen) return chosen;
   const auto longest = std::ranges::max_element(motions, {}, [](const MeasuredMotion& m) { return m.frames; });
   const std::vector<int> roots = character_roots(*longest);
   std::vector<std::string> names;
@@ -216,11 +214,18 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   out.source = std::string(base_name(file_name));
   if (Result<void> chosen = choose(motions, options, std::string(file_name), out, notes.remarks); !chosen)
     return fail(std::move(chosen.error()));
+  std::optional<std::size_t> take;
+  if (!options.take.empty()) {
+    const Result<std::size_t> chosen = find_take(motions, options.take, std::string(file_name));
+    if (!chosen) return fail(chosen.error());
+    take = *chosen;
+  }
+  const bool single = motions.size() == 1 || take;
   for (MeasuredMotion& m : motions) {
-    if (!options.name.empty()) m.name = motions.size() == 1 ? options.name : options.name + " " + m.name;
+    if (!options.name.empty()) m.name = single ? options.name : options.name + " " + m.name;
     if (m.name.empty()) m.name = out.source;
   }
-  const std::string name = motions.size() == 1 ? motions[0].name : options.name.empty() ? stem_of(file_name) : options.name;
+  const std::string name = single ? motions[take.value_or(0)].name : options.name.empty() ? stem_of(file_name) : options.name;
   out.metres_per_unit = notes.metres_per_unit > 0 ? notes.metres_per_unit : motions[0].skeleton.unit;
   apply_corrections(motions, notes, options, out);
   const body::AnatomyMapping* mapping = options.mapping ? &*options.mapping : nullptr;
@@ -236,6 +241,9 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   if (mapping && character.plan == body::BodyPlan::other && mapping->plan != "other")
     return fail(ErrorCode::structure, "mapping", "The mapping does not give a body: " + character.why_not,
                 "Correct the joints of its limbs.");
+  // Another motion of the file can show the character lying.
+  if (take && character.plan == body::BodyPlan::human)
+    if (const body::Character own = body::recognise_character(motions[*take]); own.plan == body::BodyPlan::human) character.up = own.up;
   if (const std::optional<Vec3> up = up_by_posture(character); up && !options.axes) {
     const Vec3 in_file = transpose_times(rotation_to_ours(out.axes), *up);
     for (int k = 0; k < 3; ++k)
@@ -251,6 +259,8 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   const bool together = animal && !mapping && motions.size() > 1;
   const body::Character whole = together ? body::recognise_character(joined(motions)) : character;
   set_size(motions, whole.plan == body::BodyPlan::four_legs ? whole : character, *species, notes, options, out);
+  // Parts and size follow from all motions of the file, so that they do not depend on the chosen one.
+  if (take) motions = {std::move(motions[*take])};
   std::vector<std::string> checks;
   for (MeasuredMotion& m : motions)
     if (std::string sentence = cut_at_jumps(character, m); !sentence.empty())

@@ -23,6 +23,7 @@ struct Foot {
   std::vector<int> parts;  ///< links that can touch the ground: the foot and its descendants
   std::vector<std::vector<SupportPoint>> points;
   std::vector<int> limb;      ///< links from the limb's base to the foot, whose joints move no other foot
+  double ankle = 0;           ///< m, height of the ankle above the floor while the foot stands
   std::vector<double> low;    ///< [frames] m, height of the lowest point above the floor
   std::vector<double> bears;  ///< [frames] 0 to 1: weight with which the foot counts as standing
 };
@@ -80,6 +81,60 @@ void observe(const Motion& motion, const Mechanism& m, double floor, std::vector
   }
 }
 
+/// Turns a foot about its ankle so that its points do not reach far below the floor although the ankle is high enough (the large feet of
+/// cartoon characters sink with the toes while the heel rises). A part of the depth is left to the lift of root and foot.
+/// @param X world poses of the links @return the pose of the foot
+Pose turned_up(const Foot& foot, double floor, std::span<const Pose> X) {
+  constexpr double left = 0.15;  // share of the distance from the ankle to the farthest point
+  const Pose& start = X[at(foot.link)];
+  double reach = 0;
+  for (std::size_t p = 0; p < foot.parts.size(); ++p)
+    for (const SupportPoint& s : foot.points[p]) reach = std::max(reach, norm(X[at(foot.parts[p])] * s.p - start.p));
+  Mat3 turn = Mat3::identity();
+  for (int round = 0; round < 4; ++round) {
+    double angle = 0;
+    Vec3 axis;
+    for (std::size_t p = 0; p < foot.parts.size(); ++p)
+      for (const SupportPoint& s : foot.points[p]) {
+        const Vec3 r = turn * (X[at(foot.parts[p])] * s.p - start.p);
+        const double length = norm(r), across = std::sqrt(r.x * r.x + r.y * r.y);
+        const double allowed = floor - left * reach - std::max(0.0, foot.ankle - (start.p.z - floor));
+        const double wanted = std::min(allowed + s.radius - start.p.z, 0.0);  // of r.z
+        if (r.z >= wanted || !(across > 1e-6 * length)) continue;
+        const double needed = asin(std::clamp(wanted / length, -1.0, 1.0)) - asin(std::clamp(r.z / length, -1.0, 1.0));
+        if (needed <= angle) continue;
+        angle = needed;
+        axis = normalized(Vec3{r.y, -r.x, 0});
+      }
+    if (!(angle > 1e-9)) break;
+    turn = rotation_about(axis, angle) * turn;
+  }
+  return {turn * start.R, start.p};
+}
+
+/// Turns sunken feet up in all frames.
+void turn_up(Motion& motion, const Mechanism& m, double floor, std::vector<Foot>& feet) {
+  std::vector<Pose> X(at(m.link_count()));
+  std::vector<std::vector<double>> heights(feet.size());
+  for (int f = 0; f < motion.frames; ++f) {
+    calc_poses(m, std::span<const double>(motion.frame(f), at(motion.nq)), X);
+    for (std::size_t k = 0; k < feet.size(); ++k) heights[k].push_back(X[at(feet[k].link)].p.z - floor);
+  }
+  for (std::size_t k = 0; k < feet.size(); ++k) {
+    const auto low = heights[k].begin() + static_cast<std::ptrdiff_t>(heights[k].size() / 10);
+    std::ranges::nth_element(heights[k], low);
+    feet[k].ankle = *low;
+  }
+  for (int f = 0; f < motion.frames; ++f) {
+    double* q = motion.frame(f);
+    calc_poses(m, std::span<const double>(q, at(motion.nq)), X);
+    for (const Foot& foot : feet) {
+      const Pose goal = turned_up(foot, floor, X);
+      if (goal.R != X[at(foot.link)].R) reach(m, foot.limb, goal, {}, q, X);
+    }
+  }
+}
+
 /// Vertical correction of the root: the smoothed weighted mean of the corrections of the standing feet, m [frames].
 std::vector<double> lift_of_root(const std::vector<Foot>& feet, double rate) {
   const std::size_t frames = feet.front().low.size();
@@ -109,11 +164,12 @@ Motion with_feet_on_floor(const Motion& motion, const Mechanism& m, double floor
   Motion out = motion;
   std::vector<Foot> feet = group_feet(m);
   if (feet.empty() || motion.frames < 2 || m.link(0).joint.type != JointType::floating) return out;
-  observe(motion, m, floor, feet);
+  std::vector<Pose> X(at(m.link_count()));
+  turn_up(out, m, floor, feet);
+  observe(out, m, floor, feet);
   const std::vector<double> root = lift_of_root(feet, motion.rate);
   std::vector<std::vector<double>> lifts;
   for (const Foot& foot : feet) lifts.push_back(lift_of_foot(foot, root, motion.rate));
-  std::vector<Pose> X(at(m.link_count()));
   for (int f = 0; f < motion.frames; ++f) {
     double* q = out.frame(f);
     const Vec3 up = transpose_times(m.link(0).joint.X_PJ.R, Vec3{0, 0, root[at(f)]});
