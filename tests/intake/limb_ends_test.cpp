@@ -304,6 +304,63 @@ TEST(FourLegs, ALongLeggedAnimalOnFourLimbsIsNoPerson) {
   }
 }
 
+// A nameless horse without a tail. Its root carries the fore limbs and the neck; a hind limb is one bone that ends in a joint on the ground.
+TEST(FourLegs, TheJointOfTheHindLimbsBecomesTheRootIfTheHeadIsAtTheRoot) {
+  std::vector<Bone> b = {{"j0", -1, {0, 0, 0.75}, {}},
+                         {"j1", 0, {0.08, 0, 0.35}, {}},
+                         {"j2", 1, {0.28, 0, 0.24}, {}},
+                         {"j3", 2, {0.2, 0, -0.2}, {}},
+                         {"j4", 0, {-0.82, 0, 0.09}, {}}};
+  for (const double side : {1.0, -1.0}) {
+    const auto name = [&] { return "j" + std::to_string(b.size()); };
+    const int fore = static_cast<int>(b.size());
+    b.push_back({name(), 0, {0.01, 0.12 * side, 0}, {}});
+    b.push_back({name(), fore, {0, 0.01 * side, -0.3}, {}});
+    b.push_back({name(), fore + 1, {0.04, 0, -0.32}, {}});
+    b.push_back({name(), fore + 2, {0.05, 0, -0.07}, {}});
+    b.push_back({name(), 4, {0, 0.12 * side, 0}, {}});
+    b.push_back({name(), fore + 4, {-0.1, 0.03 * side, -0.78}, {}});
+  }
+  std::vector<MeasuredMotion> motions = {moving(b)};
+  EXPECT_EQ(body::recognise_character(motions[0]).plan, body::BodyPlan::other);
+  std::vector<std::string> report;
+  const body::Character c = arrange(motions, report);
+  ASSERT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not << (c.decisions.empty() ? "" : c.decisions.back());
+  EXPECT_NEAR(c.trunk_length, 0.82, 0.05);
+  EXPECT_NEAR(c.leg_length, 0.75, 0.1) << "the leg ends on the ground, not a bone's length below it";
+  const Skeleton& s = motions[0].skeleton;
+  EXPECT_EQ(s.joints[static_cast<std::size_t>(c.pelvis)].name, "j4");
+  EXPECT_EQ(s.joints[static_cast<std::size_t>(c.head)].name, "j2") << "the last joint that carries a bone";
+}
+
+// All limbs have one joint. The tail is named in another language; one paw has a second joint without an end at the same place.
+TEST(FourLegs, APawOfTwoJointsAtOnePlaceIsOneLimb) {
+  std::vector<Bone> b = {{"Armature", -1, {}, {}},
+                         {"Bone", 0, {0.35, 0, 0.4}, {}},
+                         {"Bone.001", 1, {0, 0, 0.02}, {0.2, 0, 0.15}},
+                         {"tale", 1, {-0.7, 0, 0}, {}},
+                         {"tale1", 3, {-0.1, 0, 0.15}, {-0.1, 0, 0.3}}};
+  for (const double fore : {1.0, -1.0})
+    for (const double side : {1.0, -1.0}) {
+      const auto name = [&] { return "Bone.0" + std::to_string(b.size() + 10); };
+      const int first = static_cast<int>(b.size());
+      b.push_back({name(), 1, {fore > 0 ? 0 : -0.65, 0.01 * side, 0}, {}});
+      b.push_back({name(), first, {0.03, 0.12 * side, -0.05}, {}});
+      b.push_back({name(), first + 1, {-0.02, 0.02 * side, -0.17}, {0.02, 0, -0.15}});
+      if (fore < 0 && side < 0) b.push_back({name(), first + 1, {-0.02, 0.02 * side, -0.17}, {}});
+    }
+  std::vector<MeasuredMotion> motions = {moving(b)};
+  for (Quat& q : motions[0].rotations) q = axis_angle({0, 1, 0}, 0.5 * std::asin(q.y));  // a quarter of the swing: all paws touch the ground
+  EXPECT_EQ(body::recognise_character(motions[0]).plan, body::BodyPlan::other);
+  std::vector<std::string> report;
+  const body::Character c = arrange(motions, report);
+  ASSERT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not << (c.decisions.empty() ? "" : c.decisions.back());
+  EXPECT_NEAR(c.trunk_length, 0.65, 0.1);
+  std::vector<Pose> X;
+  motions[0].calc_joint_poses(0, X);
+  EXPECT_GT(X[static_cast<std::size_t>(c.arms[0].proximal)].p.x, X[static_cast<std::size_t>(c.legs[0].proximal)].p.x);
+}
+
 TEST(FourLegs, AHeadlessPersonIsNotFourLegged) {
   std::vector<Bone> b = {{"hips", -1, {0, 0, 1}, {}}, {"spine", 0, {0, 0, 0.25}, {}}, {"chest", 1, {0, 0, 0.2}, {}}};
   add_limbs_of_person(b, 2, {0, 0.2, 0.05}, {0, 0, -0.3}, {0, 0, -0.25}, {0, 0, -0.1});

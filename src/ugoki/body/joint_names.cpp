@@ -289,7 +289,8 @@ NameEvidence evidence_of(const std::vector<std::string>& words) {
               word.starts_with("twist");
     out.end = out.end || word == "nub" || word == "end" || word == "tip" || word == "site" || word == "effector" || word == "headtop" ||
               word.ends_with("nub");
-    out.tail = out.tail || word == "tail" || word.starts_with("tail") || word == "schwanz" || word == "queue";
+    for (const char* tail : {"tail", "tale", "schwanz", "queue", "cola", "coda", "cauda", "hvost"})
+      out.tail = out.tail || word == tail || (word.starts_with("tail") && word.size() > 4);
     out.wing = out.wing || word.find("wing") != std::string::npos || word.find("feather") != std::string::npos;
     out.paw = out.paw || word == "paw" || word == "hoof" || word == "claw" || word == "pfote" || word == "fetlock" || word == "pastern" ||
               word == "hock";

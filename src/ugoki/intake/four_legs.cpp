@@ -7,6 +7,7 @@
 
 #include "ugoki/body/joint_names.h"
 #include "ugoki/body/limb_geometry.h"
+#include "ugoki/intake/arrange.h"
 #include "ugoki/intake/conversion_report.h"
 #include "ugoki/intake/tree_edit.h"
 
@@ -27,6 +28,9 @@ class FourLegs {
       if (s_.joints[i].parent >= 0) children_[at(s_.joints[i].parent)].push_back(static_cast<int>(i));
   }
 
+  /// Joint that has to become the root before anything else is changed; -1: none. Valid after run().
+  [[nodiscard]] int new_root() const { return new_root_; }
+
   std::vector<std::string> run() {
     if (samples_.empty() || s_.joints.size() < 5) return {};
     for (const auto& X : samples_) extent_ = std::max(extent_, extent_of(X));
@@ -34,8 +38,12 @@ class FourLegs {
     find_limbs();
     if (tops_.size() < 4 || !find_pairs()) return {};
     find_joints();
-    if (!front_named_ && chest_ >= 0 && hips_ != chest_ && is_below(s_, hips_, chest_)) {  // the root is more likely at the hips
-      std::swap(fore_, hind_);
+    if (!front_named_ && chest_ >= 0 && hips_ != chest_ && is_below(s_, hips_, chest_)) {
+      if (!has_branch_behind()) {  // the highest branch is the head, because the other end has none
+        new_root_ = hips_;
+        return {"The skeleton was re-rooted at joint " + s_.joints[at(hips_)].name + ", which carries the hind limbs."};
+      }
+      std::swap(fore_, hind_);  // the root is more likely at the hips
       find_joints();
     }
     if (hips_ >= 0 && chest_ >= 0 && !is_below(s_, chest_, hips_) && !is_below(s_, hips_, chest_))
@@ -155,19 +163,21 @@ class FourLegs {
   /// Finds the first joint of the limb of each foot: the highest joint above it that carries nothing else of size.
   void find_limbs() {
     constexpr double same_foot = 0.08, small = 0.1, shortest = 0.12;
+    // A foot can have two joints at one place (a control and a bone), of which one has no end.
+    const auto is_same_foot = [&](int other, int foot, const Vec3& own) {
+      const bool at_one_place = norm(samples_[0][at(other)].p - samples_[0][at(foot)].p) < 0.25 * same_foot * extent_;
+      return side_of(other) * side_of(foot) >= 0 && (at_one_place || norm(tip(samples_[0], other) - own) <= same_foot * extent_);
+    };
     const auto alone = [&](int joint, int foot) {
       const Vec3 own = tip(samples_[0], foot);
       for (const int other : feet_)
-        if (is_below(s_, other, joint) && (side_of(other) * side_of(foot) < 0 || norm(tip(samples_[0], other) - own) > same_foot * extent_))
-          return false;
+        if (is_below(s_, other, joint) && !is_same_foot(other, foot, own)) return false;
       for (int k = 0; k < motions_[0].joint_count(); ++k) {
         if (!is_below(s_, k, joint) || evidence_[at(k)].helper) continue;
         // Distance of the joint from the path to the foot.
         int on = k;
         while (on != joint && !is_below(s_, foot, on)) on = parent(on);
-        if (on != k && norm(samples_[0][at(k)].p - samples_[0][at(on)].p) > small * extent_ &&
-            norm(tip(samples_[0], k) - own) > same_foot * extent_)
-          return false;
+        if (on != k && norm(samples_[0][at(k)].p - samples_[0][at(on)].p) > small * extent_ && !is_same_foot(k, foot, own)) return false;
       }
       return true;
     };
@@ -278,6 +288,19 @@ class FourLegs {
     return tail ? middle * 2 - *tail : high;
   }
 
+  /// True if something that is no limb reaches beyond the hind limbs.
+  [[nodiscard]] bool has_branch_behind() const {
+    constexpr double min_reach = 0.05;  // share of the extent
+    const int frame = common(hips_, chest_);
+    const auto middle = [&](const std::array<int, 2>& limbs) { return (mean_in(frame, limbs[0]) + mean_in(frame, limbs[1])) * 0.5; };
+    const Vec3 back = middle(hind_), behind = normalized(back - middle(fore_));
+    for (int i = 0; i < motions_[0].joint_count(); ++i) {
+      if (std::ranges::any_of(tops_, [&](int t) { return is_below(s_, i, t); }) || !is_below(s_, i, frame) || evidence_[at(i)].helper) continue;
+      if (dot(mean_in(frame, [&](const std::vector<Pose>& X) { return tip(X, i); }) - back, behind) > min_reach * extent_) return true;
+    }
+    return false;
+  }
+
   /// True if joint i or a joint below it is named a neck or head.
   [[nodiscard]] bool carries_head(int i) const {
     for (std::size_t k = at(i); k < evidence_.size(); ++k)
@@ -352,12 +375,20 @@ class FourLegs {
   double extent_ = 0;                         ///< m
   std::vector<int> feet_, tops_;
   std::array<int, 2> fore_{-1, -1}, hind_{-1, -1};  ///< first joints of the limbs
-  int hips_ = -1, chest_ = -1;
+  int hips_ = -1, chest_ = -1, new_root_ = -1;
   bool front_named_ = false;  ///< names of limbs, head or tail state which limbs are in front
 };
 
 }  // namespace
 
-std::vector<std::string> complete_four_legs(std::span<MeasuredMotion> motions) { return FourLegs(motions).run(); }
+std::vector<std::string> complete_four_legs(std::span<MeasuredMotion> motions) {
+  FourLegs limbs(motions);
+  std::vector<std::string> report = limbs.run();
+  if (limbs.new_root() < 0) return report;
+  for (MeasuredMotion& m : motions) make_root(m, limbs.new_root());
+  const std::vector<std::string> changes = FourLegs(motions).run();
+  report.insert(report.end(), changes.begin(), changes.end());
+  return report;
+}
 
 }  // namespace ugoki::intake

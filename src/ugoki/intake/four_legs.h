@@ -10,6 +10,8 @@
 namespace ugoki::intake {
 
 /// Finds four limbs by the ends that touch the ground in the motion, and gives them the tree of a four-legged animal:
+///   - if the root carries the fore limbs, and something rises there but nothing reaches beyond the hind limbs, the joint of the hind limbs
+///     becomes the root;
 ///   - the two limbs of a pair are attached to the closest joint that carries both (some rigs attach one of them a joint further on);
 ///   - if both pairs have the same joint, a joint for the chest is added between the fore limbs, which carries them and whatever is in
 ///     front of them;

@@ -23,6 +23,18 @@ std::vector<int> child_counts(const Skeleton& s) {
   return count;
 }
 
+/// True if a point reaches far below all joints of the character in most frames, so that no foot ends there.
+bool is_below_ground(const std::vector<std::vector<Pose>>& samples, std::size_t joint, const Vec3& point) {
+  constexpr double far = 0.1;  // share of the character's extent
+  std::size_t count = 0;
+  for (const std::vector<Pose>& X : samples) {
+    double low = 1e300;
+    for (const Pose& pose : X) low = std::min(low, pose.p.z);
+    count += (X[joint] * point).z < low - far * extent_of(X) ? 1 : 0;
+  }
+  return 2 * count > samples.size();
+}
+
 }  // namespace
 
 std::vector<std::string> add_limb_ends(std::span<MeasuredMotion> motions) {
@@ -31,6 +43,8 @@ std::vector<std::string> add_limb_ends(std::span<MeasuredMotion> motions) {
   const Skeleton s = motions[0].skeleton;
   const std::vector<body::NameEvidence> evidence = evidence_of(s);
   const std::vector<int> children = child_counts(s);
+  const std::vector<std::vector<Pose>> samples = sample_poses(motions);
+  std::vector<int> new_parent(s.joints.size(), -1);
   for (std::size_t i = 0; i < s.joints.size(); ++i) {
     if (children[i] > 0 || s.joints[i].parent < 0) continue;
     // A leaf that marks the end of its parent's bone ("Leg_end") is no joint of the limb.
@@ -48,7 +62,20 @@ std::vector<std::string> add_limb_ends(std::span<MeasuredMotion> motions) {
     Vec3 end;
     for (const Vec3& e : s.joints[i].end_sites) end += e / static_cast<double>(s.joints[i].end_sites.size());
     if (marks_end) end = s.joints[i].offset;
-    if (norm(end) < 1e-6 && limb.size() == 2) end = s.joints[i].offset;
+    if (norm(end) < 1e-6 && limb.size() == 2) {
+      end = s.joints[i].offset;
+      // The limb has one bone, and the last joint is its foot.
+      if (is_below_ground(samples, i, end)) {
+        names.push_back(s.joints[i].name);
+        for (MeasuredMotion& m : motions) {
+          m.skeleton.joints[i].end_sites = {end * (0.5 * (1 - ankle))};
+          append_rigid(m, s.joints[i].name + "_2", above, end * 0.5, {});
+        }
+        new_parent.resize(motions[0].skeleton.joints.size(), -1);
+        new_parent[i] = motions[0].joint_count() - 1;
+        continue;
+      }
+    }
     if (norm(end) < 1e-6) continue;
     const std::string& name = s.joints[at(last)].name;
     names.push_back(name);
@@ -64,6 +91,8 @@ std::vector<std::string> add_limb_ends(std::span<MeasuredMotion> motions) {
       append_rigid(m, name + "_3", parent, rest * ankle, {rest * (1 - ankle)});
     }
   }
+  new_parent.resize(motions[0].skeleton.joints.size(), -1);
+  if (std::ranges::any_of(new_parent, [](int p) { return p >= 0; })) reparent(motions, new_parent);
   return names;
 }
 
