@@ -97,6 +97,7 @@ void add_correction_options(Verb verb, SourceOptions& options) {
   verb.add_option("--species", options.intake.species,
                   "Species of an animal (\"deer\"), whose usual mass limits its size; none: ignore names (default: by names in the file)");
   verb.add_flag("--travel", options.intake.travel, "Give a character that walks in place (on a treadmill) the travel of its feet");
+  verb.add_flag("--correct-labels", options.intake.correct_labels, "Exchange marker labels that are exchanged in the whole recording");
   verb.add_option("--mapping", options.mapping, "Correct the recognised anatomy by a JSON file that `ugoki info --mapping-out` wrote");
   verb.add_option("--character", options.intake.character, "Character of a file with several: its number from 1, or its root joint");
   verb.add_option("--take", options.intake.take, "Motion of a file with several: its number from 1, or its name");

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "ugoki/base/number.h"
 #include "ugoki/capture/calibrate.h"
 #include "ugoki/capture/gap_filling.h"
+#include "ugoki/capture/label_check.h"
 #include "ugoki/motion/marker_repair.h"
 
 namespace ugoki::capture {
@@ -388,8 +390,38 @@ FilledMarkers fill_markers(const MarkerMotion& motion, const CaptureOptions& opt
   return out;
 }
 
-Result<Capture> solve_markers(const MarkerMotion& motion, const CaptureOptions& options) {
+namespace {
+
+/// Reports labels that are exchanged in the whole recording. @return the recording with correct labels if the options ask for it
+std::optional<MarkerMotion> correct_labels(const MarkerMotion& motion, const CaptureOptions& options, std::vector<std::string>& report) {
+  const Choice choice = choose_set(motion);
+  if (choice.set == nullptr || choice.known < 8) return std::nullopt;
+  const LabelCheck check = check_labels(*choice.set, choice.match, motion);
+  MarkerMotion out = motion;
+  const std::string end = options.correct_labels ? "; they were corrected." : ". Import it with corrected labels (--correct-labels).";
+  std::vector<int> match = choice.match;
+  for (const auto& [i, j] : check.pairs) {
+    const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+    report.push_back("The labels " + out.labels[b] + " and " + out.labels[a] + " are exchanged in the whole recording" + end);
+    std::swap(out.labels[a], out.labels[b]);
+    std::swap(match[a], match[b]);
+  }
+  if (check.mirrored) {
+    for (int a = 0; a < motion.marker_count(); ++a)
+      if (const int b = opposite_column(*choice.set, match, a); b > a)
+        std::swap(out.labels[static_cast<std::size_t>(a)], out.labels[static_cast<std::size_t>(b)]);
+    report.push_back("Left and right are exchanged in the whole recording" + end);
+  }
+  if (!options.correct_labels || (!check.mirrored && check.pairs.empty())) return std::nullopt;
+  return out;
+}
+
+}  // namespace
+
+Result<Capture> solve_markers(const MarkerMotion& recorded, const CaptureOptions& options) {
   Capture out;
+  const std::optional<MarkerMotion> corrected = correct_labels(recorded, options, out.report);
+  const MarkerMotion& motion = corrected ? *corrected : recorded;
   MarkerMotion markers = clean(motion, options, out.report);
   Result<Fit> fit = fit_subject(motion, markers, options);
   if (!fit) return fail(std::move(fit.error()));

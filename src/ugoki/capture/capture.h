@@ -16,6 +16,7 @@ struct CaptureOptions {
   int calibration_frames = 40;           ///< number of frames from which segment lengths and marker offsets are calibrated
   double longest_gap = 0.2;              ///< s; shorter gaps are filled by splines, longer gaps from the other markers
   double cutoff = 0;                     ///< Hz, low-pass filter of the markers; 0: chosen by residual analysis, negative: none
+  bool correct_labels = false;           ///< exchange labels that are exchanged in the whole recording; false: only report them
   std::function<bool()> cancelled = {};  ///< called before each frame; true ends the work: solve_markers fails with ErrorCode::cancelled
 };
 

@@ -358,6 +358,7 @@ Result<Intake> from_markers(Result<MarkerMotion> markers, formats::ReadNotes not
   if (auto error = stopped(options, file_name)) return fail(std::move(*error));
   capture::CaptureOptions capture_options;
   capture_options.cancelled = options.cancelled;
+  capture_options.correct_labels = options.correct_labels;
   Result<capture::Capture> solved = capture::solve_markers(*markers, capture_options);
   if (auto error = stopped(options, file_name)) return fail(std::move(*error));
   if (!solved) return fail(std::move(solved.error()));
