@@ -16,6 +16,7 @@
 #include "ugoki/body/body.h"
 #include "ugoki/capture/capture.h"
 #include "ugoki/capture/marker_set.h"
+#include "ugoki/capture/unlabelled.h"
 #include "ugoki/formats/bvh.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/spatial/elementary.h"
@@ -364,6 +365,51 @@ TEST(MarkerSets, ExchangedSidesAreFoundForEightSets) {
     }
     EXPECT_EQ(reports, 1);
   }
+}
+
+TEST(MarkerSets, UnlabelledLabelsAreKnown) {
+  for (const char* label : {"*10", "U7", "Unlabeled 3", "unlabeled_12", "C_1004", "15", "*"}) EXPECT_TRUE(is_unlabelled(label)) << label;
+  for (const char* label : {"C7", "LKNE", "T10", "CLAV", "M1", "UARM", "LTH1"}) EXPECT_FALSE(is_unlabelled(label)) << label;
+}
+
+// Markers lose their labels for a while, one of them to two trajectories; other points stay in the laboratory.
+TEST(MarkerSets, UnlabelledTrajectoriesFillTheGapsOfTheirMarkers) {
+  const Person* person = shared_person();
+  if (person == nullptr) GTEST_SKIP() << "The shared measured data are absent.";
+  MarkerMotion whole = record(*person, labels_of(sets[1]), 13);
+  add_unlabelled(whole);
+  MarkerMotion m;
+  const std::tuple<const char*, const char*, int, int> lost[] = {
+      {"LKNE", "*12", 60, 119}, {"LKNE", "*13", 120, 180}, {"RANK", "*14", 80, 260}, {"LWRI", "*15", 30, 100}};
+  m = whole;
+  const std::size_t n = whole.labels.size(), extra = std::size(lost);
+  m.positions.assign(static_cast<std::size_t>(m.frames) * (n + extra), Vec3{});
+  m.residuals.assign(m.positions.size(), -1.0F);
+  for (const auto& l : lost) m.labels.emplace_back(std::get<1>(l));
+  for (int f = 0; f < m.frames; ++f)
+    for (std::size_t i = 0; i < n; ++i) {
+      const int column = static_cast<int>(i);
+      std::size_t to = i;
+      for (std::size_t k = 0; k < extra; ++k)
+        if (const auto& [label, point, from, last] = lost[k]; whole.labels[i] == label && f >= from && f <= last) to = n + k;
+      m.positions[m.index(f, static_cast<int>(to))] = whole.at(f, column);
+      m.residuals[m.index(f, static_cast<int>(to))] = whole.residuals[whole.index(f, column)];
+    }
+  const auto a = solve_markers(whole), b = solve_markers(m);
+  ASSERT_TRUE(a && b);
+  std::vector<Pose> X, Y;
+  double max_error = 0;
+  for (int f = 0; f < m.frames; ++f) {
+    a->measured.calc_joint_poses(f, X);
+    b->measured.calc_joint_poses(f, Y);
+    for (std::size_t i = 0; i < X.size(); ++i) max_error = std::max(max_error, norm(X[i].p - Y[i].p));
+  }
+  EXPECT_LT(max_error, 0.02);
+  for (const auto& [label, point, from, last] : lost) {
+    const std::string wanted = std::string("trajectory ") + point + " was used as " + label;
+    EXPECT_TRUE(std::ranges::any_of(b->report, [&](const std::string& r) { return r.find(wanted) != std::string::npos; })) << wanted;
+  }
+  EXPECT_TRUE(std::ranges::none_of(b->report, [](const std::string& r) { return r.find("trajectory *10") != std::string::npos; }));
 }
 
 // Exchanges of two labels at random. Neighbouring markers can be exchanged without notice, but not with large errors of the joints.

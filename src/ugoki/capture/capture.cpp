@@ -8,6 +8,7 @@
 #include "ugoki/capture/calibrate.h"
 #include "ugoki/capture/gap_filling.h"
 #include "ugoki/capture/label_check.h"
+#include "ugoki/capture/unlabelled.h"
 #include "ugoki/motion/marker_repair.h"
 
 namespace ugoki::capture {
@@ -426,6 +427,8 @@ Result<Capture> solve_markers(const MarkerMotion& recorded, const CaptureOptions
   Result<Fit> fit = fit_subject(motion, markers, options);
   if (!fit) return fail(std::move(fit.error()));
   if (options.cancelled && options.cancelled()) return fail(cancelled_error(motion));
+  for (std::string& sentence : use_unlabelled(markers, fit->subject, fit->first, fit->from, options.cancelled))
+    out.report.push_back(std::move(sentence));
   const auto [from, to] = known_part(markers, fit->subject);
   fill_by_body(markers, *fit, options.cancelled, out.report);
   out.marker_set = fit->set_name;
