@@ -304,7 +304,8 @@ TEST(FourLegs, ALongLeggedAnimalOnFourLimbsIsNoPerson) {
   }
 }
 
-// A nameless horse without a tail. Its root carries the fore limbs and the neck; a hind limb is one bone that ends in a joint on the ground.
+// A nameless horse without a tail. Its root carries the fore limbs and the neck; a hind limb is one bone that ends in a joint on the
+// ground.
 TEST(FourLegs, TheJointOfTheHindLimbsBecomesTheRootIfTheHeadIsAtTheRoot) {
   std::vector<Bone> b = {{"j0", -1, {0, 0, 0.75}, {}},
                          {"j1", 0, {0.08, 0, 0.35}, {}},
@@ -350,7 +351,8 @@ TEST(FourLegs, APawOfTwoJointsAtOnePlaceIsOneLimb) {
       if (fore < 0 && side < 0) b.push_back({name(), first + 1, {-0.02, 0.02 * side, -0.17}, {}});
     }
   std::vector<MeasuredMotion> motions = {moving(b)};
-  for (Quat& q : motions[0].rotations) q = axis_angle({0, 1, 0}, 0.5 * std::asin(q.y));  // a quarter of the swing: all paws touch the ground
+  for (Quat& q : motions[0].rotations)
+    q = axis_angle({0, 1, 0}, 0.5 * std::asin(q.y));  // a quarter of the swing: all paws touch the ground
   EXPECT_EQ(body::recognise_character(motions[0]).plan, body::BodyPlan::other);
   std::vector<std::string> report;
   const body::Character c = arrange(motions, report);
@@ -359,6 +361,29 @@ TEST(FourLegs, APawOfTwoJointsAtOnePlaceIsOneLimb) {
   std::vector<Pose> X;
   motions[0].calc_joint_poses(0, X);
   EXPECT_GT(X[static_cast<std::size_t>(c.arms[0].proximal)].p.x, X[static_cast<std::size_t>(c.legs[0].proximal)].p.x);
+}
+
+// Parts have the names of human ones, and the legs the length of human legs. Names of front and rear, or a tail, state the animal.
+TEST(FourLegs, ALongLeggedAnimalWithHumanNamesIsNoPerson) {
+  for (const bool tail : {true, false}) {
+    std::vector<Bone> b = long_legged(true, 0.1);
+    b[2].name = "Head";
+    const char* parts[] = {"Leg1", "Leg2", "Foot"};
+    for (std::size_t i = 3; i < b.size(); ++i) {
+      const bool hind = i < 9;
+      const std::string side = (i - 3) / 3 % 2 == 0 ? "_L" : "_R", part = parts[(i - 3) % 3];
+      b[i].name = tail ? (hind ? "Thigh,Calf,Foot" : "Arm,Forearm,Hand") : (hind ? "Rear" : "Front") + part + side;
+      if (!tail) continue;
+      std::string list = b[i].name;
+      for (std::size_t k = 0; k < (i - 3) % 3; ++k) list = list.substr(list.find(',') + 1);
+      b[i].name = list.substr(0, list.find(',')) + side;
+    }
+    if (tail) b.push_back({"Tail", 0, {-0.1, 0, 0.05}, {-0.2, 0, -0.1}});
+    std::vector<MeasuredMotion> motions = {moving(b)};
+    std::vector<std::string> report;
+    const body::Character c = arrange(motions, report);
+    EXPECT_EQ(c.plan, body::BodyPlan::four_legs) << tail << " " << c.why_not << (c.decisions.empty() ? "" : c.decisions.back());
+  }
 }
 
 TEST(FourLegs, AHeadlessPersonIsNotFourLegged) {

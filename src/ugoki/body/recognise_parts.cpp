@@ -112,7 +112,18 @@ void Recogniser::decide_plan() {
   }
   animal += f_.tail.empty() ? 0 : 0.8;
   animal += animal_names >= 2 ? 1 : 0;
-  animal += human_names() < 5 && stands_on_four() ? 1.2 : 0;
+  // Names of front and rear limbs on both sides; a named tail on a character that stands on four limbs.
+  int fore = 0, hind = 0;
+  for (std::size_t s = 0; s < 2; ++s) {
+    const auto states = [&](const Limb& l, bool NameEvidence::* end) {
+      return std::ranges::any_of(std::array{l.proximal, l.distal, l.end, l.tip}, [&](int i) { return i >= 0 && name(i).*end; });
+    };
+    fore += states(f_.arms[s], &NameEvidence::fore) ? 1 : 0;
+    hind += states(f_.legs[s], &NameEvidence::hind) ? 1 : 0;
+  }
+  animal += fore == 2 && hind == 2 && trunk > 0.1 * legs ? 1 : 0;
+  const bool named_tail = std::ranges::any_of(f_.tail, [&](int i) { return name(i).tail; });
+  animal += (human_names() < 5 || named_tail) && stands_on_four() ? 1.2 : 0;
   // Animals whose joints have human names seldom have fingers. 3ds Max Biped names the toes of fore limbs fingers, but adds a tail.
   int fingers = 0;
   for (const NameEvidence& e : names_) fingers += !e.helper && (e.part == Part::fingers || e.part == Part::thumb) ? 1 : 0;
