@@ -13,9 +13,7 @@
 #include "sources.h"
 #include "ugoki/content/inputs.h"
 #include "ugoki/files/files.h"
-#include "ugoki/formats/bvh.h"
 #include "ugoki/lsi/standard_library.h"
-#include "ugoki/motion_edit/to_measured.h"
 #include "ugoki/plugin/carry.h"
 #include "ugoki/publish/page.h"
 #include "ugoki/publish/parts.h"
@@ -187,35 +185,17 @@ Result<publish::Take> run_take(const Options& o, std::span<const std::byte> ugx,
                               });
 }
 
-/// Returns the character of --character; without this option, the first one with links.
-Result<const publish::TakeCharacter*> chosen_character(const publish::Take& take, const Options& o) {
-  const auto chosen = std::ranges::find_if(take.characters, [&](const publish::TakeCharacter& c) {
-    return o.character.empty() ? c.links() > 0 : c.id == o.character || c.name == o.character;
-  });
-  if (chosen != take.characters.end()) return &*chosen;
-  return fail(ErrorCode::unknown, "--character " + o.character, "The content has no such character.", "`ugoki info` lists the characters.");
-}
-
 /// Writes the simulated motion of one character as BVH.
 Result<void> write_bvh(const publish::Take& take, const Options& o, std::vector<Written>& report) {
-  const Result<const publish::TakeCharacter*> chosen = chosen_character(take, o);
-  if (!chosen) return fail(chosen.error());
-  const publish::TakeCharacter& c = **chosen;
-  Motion motion;
-  motion.name = c.name;
-  motion.source = take.name;
-  motion.mechanism = c.mechanism->name();
-  motion.rate = take.rate;
-  motion.frames = take.frames;
-  motion.nq = c.mechanism->nq();
-  motion.q = c.q;
-  return write(report, "bvh", o.bvh, formats::write_bvh(motion_edit::to_measured(*c.mechanism, motion), {.metres_per_unit = 0.01}));
+  const Result<std::string> text = publish::write_take_bvh(take, o.character);
+  if (!text) return fail(text.error());
+  return write(report, "bvh", o.bvh, *text);
 }
 
 /// Writes the mechanism of one character, with its motion, as MJCF or URDF. @param kind "mjcf" or "urdf"
 Result<void> write_robot(const publish::Take& take, const Options& o, const char* kind, const std::string& path,
                          std::vector<Written>& report) {
-  const Result<const publish::TakeCharacter*> character = chosen_character(take, o);
+  const Result<const publish::TakeCharacter*> character = publish::find_character(take, o.character);
   if (!character) return fail(character.error());
   const publish::TakeCharacter* chosen = *character;
   const fs::path file = path;

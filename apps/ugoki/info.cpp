@@ -179,7 +179,8 @@ Result<Json> info_of(const Options& options) {
       json["unsaved"] = project->unsaved();
       Json mechanisms = Json::array(), motions = Json::array();
       for (const auto& [id, m] : project->resources().mechanisms)
-        mechanisms.push_back({{"id", id}, {"name", m->name()}, {"links", m->link_count()}, {"dofs", m->nv()}, {"mass_kg", m->mass()}});
+        if (!content::is_prop_mechanism(id))
+          mechanisms.push_back({{"id", id}, {"name", m->name()}, {"links", m->link_count()}, {"dofs", m->nv()}, {"mass_kg", m->mass()}});
       for (const auto& [id, m] : project->resources().motions)
         motions.push_back({{"id", id}, {"name", m->name}, {"frames", m->frames}, {"duration_s", m->duration()}, {"cyclic", m->cyclic}});
       json["mechanisms"] = std::move(mechanisms);

@@ -18,7 +18,7 @@ class RandomCommands {
   /// A random command (JSON) for the document `s`.
   std::string next(const Scenario& s) {
     if (std::string removal = shrink(s); !removal.empty()) return removal;
-    switch (pick(42)) {
+    switch (pick(44)) {
       case 0:
         return R"({"type": "clip.add", "character": "human", "motion": ")" + std::string(pick(2) ? "n-walk" : "n-step") +
                R"(", "start": )" + number(0, 8) + "}";
@@ -136,6 +136,8 @@ class RandomCommands {
                R"(", "compare": ")" + std::array{"at_least", "at_most", "above", "below", "equal"}[pick(5)] + R"(", "value": )" +
                number(-5, 5) + R"(}], "do": {"type": "set", "variable": ")" + s.variables[pick(s.variables.size())].id +
                R"(", "change": ")" + std::array{"set", "add", "toggle"}[pick(3)] + R"(", "value": )" + number(-5, 5) + "}}}";
+      case 42: return R"({"type": "character.add", "prop": )" + prop() + R"(, "place": {"z": )" + number(0, 2) + "}}";
+      case 43: return R"({"type": "character.set", "id": ")" + any_character(s) + R"(", "prop": )" + prop() + "}";
       default:
         return pick(2) ? R"({"type": "scenario.set", "duration": )" + number(1, 30) + R"(, "look": {"light": )" + number(0, 2.1) + "}}"
                        : circuit_command();
@@ -167,6 +169,11 @@ class RandomCommands {
         R"({"id": "c)" + std::to_string(pick(3)) + R"(", "type": "constant", "parameters": {"value": )" + number(0, 1) + "}}";
     if (pick(3) == 0) return R"({"type": "circuit.set", "circuit": {"version": 1, "name": "mine", "lsis": [)" + lsi + "]}}";
     return R"({"type": "circuit.edit", "changes": [{"list": "lsis", "put": )" + lsi + "}]}";
+  }
+  std::string prop() {
+    return R"({"shape": ")" + std::string(std::array{"box", "ramp", "stairs", "cylinder", "sphere", "bar"}[pick(6)]) + R"(", "size": [)" +
+           number(-0.05, 2) + ", 1, " + number(0.1, 3) + R"(], "mass": )" + (pick(2) ? "0" : number(0, 20)) + R"(, "steps": )" +
+           std::to_string(pick(8)) + "}";
   }
   std::string any_character(const Scenario& s) { return s.characters.empty() ? "none" : s.characters[pick(s.characters.size())].id; }
   std::string command_on(const Scenario& s, const std::string& type, const std::string& more) {

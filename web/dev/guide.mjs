@@ -60,6 +60,36 @@ try {
   await picture('library', '.library');
   await picture('timeline', '.scenario');
 
+  // props, and without them again
+  if (wanted.length === 0 || wanted.includes('props')) {
+    const revision = () => page.evaluate('window.ugoki.undo().revision');
+    const prop = async (kind, fields) => {
+      await page.getByRole('button', { name: '+ Prop' }).click();
+      await page.getByRole('menuitem', { name: kind, exact: true }).click();
+      await page.locator('.inspector h3', { hasText: `Prop ${kind}` }).waitFor();
+      for (const [label, value] of Object.entries(fields)) {
+        const field = page.locator('.inspector').getByLabel(label, { exact: true });
+        if (value === true) await field.click();
+        else await field.fill(String(value)).then(() => field.press('Enter'));
+        await page.waitForTimeout(400);
+      }
+    };
+    await prop('Ramp', { Length: 2.4, Width: 1.2, Height: 0.35, X: 3, Y: -1.3, Heading: 180 });
+    await prop('Box', { Moves: true, Length: 0.4, Width: 0.4, Height: 0.4, X: 1.07, Y: 1.7, Z: 0.75, Heading: 20 });
+    await prop('Stairs', { Width: 1.4, X: 0.5, Y: 1.7 });
+    await blur();
+    await page.keyboard.press('a');
+    await page.waitForTimeout(2500);
+    await picture('props');
+    for (let i = 0; i < 60 && (await page.evaluate('window.ugoki.undo().can_undo')) && (await page.evaluate('window.ugoki.document().characters.some((c) => c.prop)')); i++) {
+      const before = await revision();
+      await page.keyboard.press('Control+z');
+      await page.waitForFunction((r) => window.ugoki.undo().revision !== r, before);
+    }
+    await page.keyboard.press('a');
+    await page.waitForTimeout(1000);
+  }
+
   // a selected character, posing, stored poses, curves
   await page.locator('[data-character="human"] .track-name').click();
   await picture('inspector', '.inspector');

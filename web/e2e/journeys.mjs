@@ -16,6 +16,7 @@ import { repair_journeys } from './repairs.mjs';
 import { posing_journeys } from './posing.mjs';
 import { timeline_journeys } from './timeline.mjs';
 import { look_journeys } from './looks.mjs';
+import { prop_journeys } from './props.mjs';
 import { pull_journeys } from './pulls.mjs';
 import { request_journeys } from './requests.mjs';
 import { rule_journeys } from './rules.mjs';
@@ -466,7 +467,7 @@ export const journeys = [
   ...accessibility_journeys,
   ...repair_journeys,
   ...editor_journeys,
-  ...posing_journeys, ...timeline_journeys, ...rule_journeys, ...key_journeys, ...pull_journeys, ...look_journeys,
+  ...posing_journeys, ...timeline_journeys, ...rule_journeys, ...key_journeys, ...pull_journeys, ...prop_journeys, ...look_journeys,
   ...body_journeys,
   ...motion_journeys,
   ...gait_journeys,

@@ -258,16 +258,17 @@ class Work {
   }
 
   std::string character_add(Fields& f) {
-    f.require("mechanism", "a mechanism's id");
+    if (!f.has("prop")) f.require("mechanism", "a mechanism's id");
     ScenarioCharacter c;
     read_character(f, c);
     if (!problems_.empty()) return {};
     assign_id(c.id, 'c');
     const auto mechanism = catalogue_.mechanisms.find(c.mechanism);
+    if (c.name.empty() && c.prop) c.name = name_of(c.prop->shape);
     if (c.name.empty())
       c.name = mechanism != catalogue_.mechanisms.end() && !mechanism->second.name.empty() ? mechanism->second.name : c.id;
     document().characters.push_back(std::move(c));
-    return "Add character";
+    return document().characters.back().prop ? "Add prop" : "Add character";
   }
 
   std::string character_set(Fields& f) {
@@ -276,6 +277,7 @@ class Work {
     const ScenarioCharacter before = *c;
     read_character(f, *c);
     c->id = before.id;
+    if (c->prop != before.prop) return "Change prop";
     if (c->mechanism != before.mechanism) return "Replace mechanism of character";
     if (!(c->place == before.place)) return "Place character";
     if (c->name != before.name) return "Rename character";

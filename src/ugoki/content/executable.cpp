@@ -154,9 +154,10 @@ class Reader {
         character.moves.push_back({rule->id, index, clip});
       }
       character.q0 = start_position(c, mechanism, track, resources_);
-      Result<MechanismPtr> sprung = with_secondary_motion(c, mechanism, character.q0, s);
+      const MechanismPtr placed = place_root(out_.mechanisms[static_cast<std::size_t>(character.mechanism)], character.placement);
+      Result<MechanismPtr> sprung = with_secondary_motion(c, *placed, character.q0, s);
       if (!sprung) return take_problems(sprung.error());
-      character.sprung = std::move(*sprung);
+      character.own = *sprung ? std::move(*sprung) : placed.get() != &mechanism ? placed : nullptr;
       out_.characters.push_back(std::move(character));
     }
   }

@@ -34,7 +34,8 @@ struct ExecutableCharacter {
   std::string color;  ///< "#rrggbb"
   ScenarioMaterial material;
   int mechanism = 0;    ///< index into Executable::mechanisms
-  MechanismPtr sprung;  ///< the mechanism with the springs of the secondary motion; null: no secondary motion
+  MechanismPtr own;     ///< the mechanism at the character's place if its root is fixed, and with the springs of the secondary motion;
+                        ///< null: as in Executable::mechanisms
   ScenarioControl control;
   Placement placement;                ///< planar pose in the world at the start; m, heading in rad
   std::vector<double> q0;             ///< [nq] position coordinates at time 0
@@ -75,6 +76,11 @@ struct Executable {
   ScenarioLook look;
   std::vector<ScenarioVariable> variables;  ///< those that viewers show
   std::string circuit;                      ///< JSON, docs/circuit.md
+
+  /// The mechanism with which the character is simulated.
+  [[nodiscard]] const MechanismPtr& mechanism_of(const ExecutableCharacter& c) const {
+    return c.own ? c.own : mechanisms[static_cast<std::size_t>(c.mechanism)];
+  }
 };
 
 /// Reads executable data and checks them completely: file structure, document, indices, values, and that the motions fit the mechanisms.

@@ -14,6 +14,11 @@
 
 namespace ugoki::content {
 
+void add_props(const Scenario& scenario, Resources& resources) {
+  for (const ScenarioCharacter& c : scenario.characters)
+    if (c.prop && !resources.mechanisms.contains(c.mechanism)) resources.mechanisms.emplace(c.mechanism, make_prop(*c.prop));
+}
+
 MechanismFacts facts_of(const Mechanism& mechanism) {
   MechanismFacts facts;
   facts.name = mechanism.name();
@@ -55,7 +60,9 @@ Result<std::vector<std::byte>> generate(const Scenario& scenario, const Resource
   Result<LayeredContent> layered = apply_layers(played_part(std::move(document)), unlayered);
   if (!layered) return fail(std::move(layered.error()));
   document = std::move(layered->scenario);
-  const Resources& resources = layered->resources;
+  Resources& resources = layered->resources;
+  add_props(document, resources);
+  for (ScenarioCharacter& c : document.characters) c.prop.reset();  // for the player, a prop is a character like any other
 
   std::set<std::string> mechanisms, motions;
   for (const ScenarioCharacter& c : document.characters) {

@@ -18,6 +18,9 @@ struct Resources {
   std::map<std::string, MotionPtr, std::less<>> motions;
 };
 
+/// Adds the mechanisms of the scenario's props that are not yet there.
+void add_props(const Scenario& scenario, Resources& resources);
+
 /// Returns the properties of a mechanism or motion that check_scenario() needs.
 [[nodiscard]] MechanismFacts facts_of(const Mechanism& mechanism);
 [[nodiscard]] MotionFacts facts_of(const Motion& motion);

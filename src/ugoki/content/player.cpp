@@ -81,7 +81,7 @@ lsi::World make_world(const Executable& content) {
   for (const ExecutableCharacter& c : content.characters) {
     lsi::CharacterSpec spec;
     spec.id = c.id;
-    spec.mechanism = c.sprung ? c.sprung : content.mechanisms[static_cast<std::size_t>(c.mechanism)];
+    spec.mechanism = content.mechanism_of(c);
     spec.q0 = c.q0;
     if (c.control.mode != ControlMode::passive)
       for (const ExecutableClip& clip : c.track) spec.track.push_back({clip.clip, content.motions[static_cast<std::size_t>(clip.motion)]});

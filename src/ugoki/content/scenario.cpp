@@ -7,6 +7,7 @@
 
 #include "ugoki/base/number.h"
 #include "ugoki/content/film_json.h"
+#include "ugoki/content/generate.h"
 #include "ugoki/content/layers.h"
 #include "ugoki/content/poses.h"
 #include "ugoki/content/scenario_json.h"
@@ -121,6 +122,14 @@ class Checker {
     range(location + "/control/assist_limit", c.control.assist_limit, 0, 10, "body weights");
     range(location + "/control/swing", c.control.swing, 0, 90, "degrees");
     const MechanismFacts* mechanism = nullptr;
+    if (c.prop) {
+      const std::size_t before = problems_.problems.size();
+      check_prop(*c.prop, location + "/prop", problems_);
+      if (problems_.problems.size() > before) return;
+      if (c.control.mode != ControlMode::passive || !c.track.empty())
+        problems_.add(ErrorCode::structure, location, "The prop '" + c.name + "' has a track or a control mode other than \"passive\".",
+                      "Remove its clips, and set the mode \"passive\".");
+    }
     if (!is_id(c.mechanism, max_resource_id)) {
       problems_.add(ErrorCode::syntax, location + "/mechanism", "'" + c.mechanism + "' cannot be the id of a mechanism.",
                     "Choose a mechanism from the library.");
@@ -445,6 +454,16 @@ std::string write_scenario(const Scenario& scenario) { return to_text(to_json(sc
 
 Error check_scenario(const Scenario& scenario, const Catalogue* catalogue, std::string_view name) {
   Error problems;
+  Catalogue with_props;
+  for (const ScenarioCharacter& c : scenario.characters) {
+    Error unused;
+    if (!catalogue || !c.prop) continue;
+    check_prop(*c.prop, "", unused);
+    if (!unused.empty()) continue;
+    if (catalogue != &with_props) with_props = *catalogue;
+    catalogue = &with_props;
+    with_props.mechanisms.emplace(c.mechanism, facts_of(*make_prop(*c.prop)));
+  }
   Checker(scenario, catalogue, name, problems).check();
   return problems;
 }

@@ -13,6 +13,7 @@
 #include "ugoki/content/film.h"
 #include "ugoki/content/gait_recipe.h"
 #include "ugoki/content/look.h"
+#include "ugoki/content/prop.h"
 #include "ugoki/content/rules.h"
 #include "ugoki/content/variables.h"
 #include "ugoki/mechanism/joint.h"
@@ -82,7 +83,8 @@ struct ScenarioPlace {
 
 struct ScenarioCharacter {
   std::string id, name;
-  std::string mechanism;          ///< id of a mechanism
+  std::string mechanism;          ///< id of a mechanism; that of a prop follows from `prop` (prop_mechanism_id())
+  std::optional<Prop> prop = {};  ///< the character is a prop: passive, without a track
   std::string color = "#e6e6ea";  ///< "#rrggbb"
   ScenarioMaterial material;
   ScenarioPlace place;

@@ -3,6 +3,7 @@
 #include "ugoki/circuit/migrate.h"
 #include "ugoki/content/film_json.h"
 #include "ugoki/content/gait_recipe_json.h"
+#include "ugoki/content/prop_json.h"
 #include "ugoki/content/layers.h"
 #include "ugoki/content/poses.h"
 
@@ -125,6 +126,12 @@ void read_character(Fields& f, ScenarioCharacter& out) {
   f.boolean("locked", out.locked);
   f.text("group", out.group);
   read_object(f, "place", [&](Fields& g) { read_place(g, out.place); });
+  if (f.has("prop")) {
+    if (!out.prop) out.control.mode = ControlMode::passive;
+    if (!out.prop) out.prop.emplace();
+    read_object(f, "prop", [&](Fields& g) { read_prop(g, *out.prop); });
+    out.mechanism = prop_mechanism_id(*out.prop);
+  }
   read_object(f, "control", [&](Fields& g) { read_control(g, out.control); });
   if (const Json* list = f.list("secondary", 1000, "secondary")) {
     out.secondary.clear();
@@ -283,6 +290,7 @@ Json to_json(const ScenarioCharacter& c) {
                  {"beyond", "release"}}},
                {"track", std::move(track)}};
   if (c.control.swing != 0) json["control"]["swing"] = c.control.swing;
+  if (c.prop) json["prop"] = to_json(*c.prop);
   write_material(c.material, json);
   if (!c.secondary.empty()) {
     Json chains = Json::array();

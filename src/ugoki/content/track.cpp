@@ -17,6 +17,21 @@ Clip to_clip(const ScenarioClip& clip) {
 
 Placement to_placement(const ScenarioPlace& place) { return {place.x, place.y, place.z, place.heading * (pi / 180)}; }
 
+MechanismPtr place_root(const MechanismPtr& mechanism, const Placement& place) {
+  if (place == Placement{} || mechanism->link_count() == 0) return mechanism;
+  const JointType root = mechanism->link(0).joint.type;
+  if (root == JointType::floating || root == JointType::planar) return mechanism;
+  const Pose X = to_pose(place);
+  MechanismSpec spec = mechanism->spec();
+  for (LinkSpec& link : spec.links)
+    if (link.parent.empty()) link.joint.X_PJ = X * link.joint.X_PJ;
+  for (LoopSpec& loop : spec.loops) {
+    if (loop.link_a.empty()) loop.X_AJ = X * loop.X_AJ;
+    if (loop.link_b.empty()) loop.X_BJ = X * loop.X_BJ;
+  }
+  return Mechanism::make(std::move(spec)).value();
+}
+
 std::vector<Clip> lay_track(const ScenarioCharacter& character, const Mechanism& mechanism, const Resources& resources) {
   std::vector<Clip> track;
   Placement at = to_placement(character.place);

@@ -15,6 +15,10 @@ namespace ugoki::content {
 /// Returns the planar pose of a character at the start; the heading is converted from degrees to rad.
 [[nodiscard]] Placement to_placement(const ScenarioPlace& place);
 
+/// Returns a mechanism whose root is neither floating nor planar, for example a robot that is bolted to the floor, at this place in the
+/// world; other mechanisms, which their coordinates place, as they are.
+[[nodiscard]] MechanismPtr place_root(const MechanismPtr& mechanism, const Placement& place);
+
 /// Returns the placed clips of the track, sorted by start. The first clip begins where the character is placed at the start, each later
 /// clip at the planar pose that the previous clip has at this time. `resources` must contain the motions, and they must fit the mechanism.
 [[nodiscard]] std::vector<Clip> lay_track(const ScenarioCharacter& character, const Mechanism& mechanism, const Resources& resources);

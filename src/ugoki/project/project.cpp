@@ -95,9 +95,11 @@ Result<void> write_new(const std::string& path, const std::string& document, con
                                       {"position", "0"},
                                       {"next_id", std::to_string(next_id)}})
       if (Result<void> done = file->set_property(name, value); !done) return done;
-    for (const auto& [id, mechanism] : resources.mechanisms)
-      if (Result<void> done = file->put_resource(id, "mechanism", mechanism->name(), bytes_of(formats::write_mechanism(*mechanism))); !done)
-        return done;
+    for (const auto& [id, mechanism] : resources.mechanisms) {
+      if (content::is_prop_mechanism(id)) continue;  // made from the document
+      Result<void> done = file->put_resource(id, "mechanism", mechanism->name(), bytes_of(formats::write_mechanism(*mechanism)));
+      if (!done) return done;
+    }
     for (const auto& [id, motion] : resources.motions)
       if (Result<void> done = file->put_resource(id, "motion", motion->name, formats::write_motion(*motion)); !done) return done;
     return {};
@@ -201,6 +203,7 @@ Result<void> Project::Body::read() {
   problems = content::check_scenario(*read, &catalogue, location);
   if (!problems.empty()) return fail(std::move(problems));
   scenario = std::move(*read);
+  content::add_props(scenario, resources);
   if (std::string canonical = content::write_scenario(scenario); canonical != document) {
     if (saved == document) saved = canonical;
     document = std::move(canonical);  // the file was written by another program or version in a non-canonical form
@@ -333,7 +336,7 @@ std::uint64_t Project::revision() const { return body_->revision; }
 std::vector<std::string> Project::missing_resources(std::string_view command) const {
   std::vector<std::string> missing;
   for (const std::string& id : content::resources_named(command))
-    if (!body_->has(id) && std::find(missing.begin(), missing.end(), id) == missing.end()) missing.push_back(id);
+    if (!content::is_prop_mechanism(id) && !body_->has(id) && std::find(missing.begin(), missing.end(), id) == missing.end()) missing.push_back(id);
   return missing;
 }
 
@@ -403,6 +406,7 @@ Result<Change> Project::execute_with(std::string_view command, std::span<const L
   b.steps.push_back({++b.position, effect->label});
   b.next_id = next_id;
   b.scenario = std::move(effect->scenario);
+  content::add_props(b.scenario, b.resources);
   b.document = text;
   ++b.revision;
   return Change{std::move(effect->label), std::move(effect->created)};
@@ -432,6 +436,7 @@ Result<std::string> Project::Body::step_history(bool back) {
   });
   if (!written) return fail(std::move(written.error()));
   scenario = std::move(*next);
+  content::add_props(scenario, resources);
   document = text;
   position = target;
   ++revision;

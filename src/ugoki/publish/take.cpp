@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ugoki/formats/bvh.h"
+#include "ugoki/motion_edit/to_measured.h"
 #include "ugoki/publish/number_text.h"
 #include "ugoki/spatial/elementary.h"
 
@@ -16,7 +18,7 @@ Result<Take> record_take(content::Player& player, double duration, double rate, 
   take.gravity = content.gravity;
   take.camera = content.camera;
   for (const content::ExecutableCharacter& c : content.characters)
-    take.characters.push_back({c.id, c.name, c.color, content.mechanisms[static_cast<std::size_t>(c.mechanism)], {}, {}, {}});
+    take.characters.push_back({c.id, c.name, c.color, content.mechanism_of(c), {}, {}, {}});
   const double step = player.step_size(), begin = player.time();
   const int frames = static_cast<int>(std::floor((duration - begin) * rate + 1e-6)) + 1;
   content::DisplayFrame frame;
@@ -63,6 +65,28 @@ TakeView view_at(const Take& take, int frame) {
   view.up = cross(view.back, view.right);
   view.position = target + view.back * take.camera.distance;
   return view;
+}
+
+Result<const TakeCharacter*> find_character(const Take& take, std::string_view character) {
+  for (const TakeCharacter& c : take.characters)
+    if (character.empty() ? c.links() > 0 : c.id == character || c.name == character) return &c;
+  return fail(ErrorCode::unknown, "character '" + std::string(character) + "'", "The content has no such character.",
+              "`ugoki info` lists the characters.");
+}
+
+Result<std::string> write_take_bvh(const Take& take, std::string_view character) {
+  const Result<const TakeCharacter*> chosen = find_character(take, character);
+  if (!chosen) return fail(chosen.error());
+  const TakeCharacter& c = **chosen;
+  Motion motion;
+  motion.name = c.name;
+  motion.source = take.name;
+  motion.mechanism = c.mechanism->name();
+  motion.rate = take.rate;
+  motion.frames = take.frames;
+  motion.nq = c.mechanism->nq();
+  motion.q = c.q;
+  return formats::write_bvh(motion_edit::to_measured(*c.mechanism, motion), {.metres_per_unit = 0.01});
 }
 
 std::string write_take_csv(const Take& take) {

@@ -52,6 +52,13 @@ using TakeProgress = std::function<bool(double)>;
 /// position [m] and unit quaternion (w x y z), world. Names of columns: "character/link x". Numbers have 9 significant digits.
 [[nodiscard]] std::string write_take_csv(const Take& take);
 
+/// Returns the motion of one character as BVH, in centimetres. @param character id or name; empty: the first character with links
+/// Error `unknown`: the take has no such character.
+[[nodiscard]] Result<std::string> write_take_bvh(const Take& take, std::string_view character);
+
+/// Returns the character with this id or name; empty: the first one with links. Error `unknown`: there is none.
+[[nodiscard]] Result<const TakeCharacter*> find_character(const Take& take, std::string_view character);
+
 /// The position [m] of the take's camera at a frame, and the unit vectors of its picture: right, up, and backwards (away from the scene).
 struct TakeView {
   Vec3 position, right, up, back;

@@ -1,5 +1,7 @@
 #include "ugoki/studio/export_service.h"
 
+#include <algorithm>
+
 #include "ugoki/circuit/circuit.h"
 #include "ugoki/content/player.h"
 #include "ugoki/json/json.h"
@@ -65,11 +67,17 @@ Result<ApiReply> export_content(std::string_view form, std::string_view name, co
     // Pages are sent as octet-stream too. A page that the studio's origin showed could run its scripts with the studio's rights.
     return ApiReply{200, std::move(*page), "application/octet-stream"};
   }
-  if (form != "glb" && form != "usda" && form != "csv")
+  const bool bvh = form == "bvh" || form.starts_with("bvh.");
+  if (form != "glb" && form != "usda" && form != "csv" && !bvh)
     return fail(ErrorCode::unknown, "/api/export", "'" + std::string(form) + "' is not a form of export.",
-                "Use html, native, native-lsis, libraries, ugx, glb, usda or csv.");
+                "Use html, native, native-lsis, libraries, ugx, glb, usda, csv, bvh, or bvh. and the id of a character.");
   const Result<publish::Take> take = publish::record_take(*player, player->content().duration, player->content().frame_rate);
   if (!take) return fail(take.error());
+  if (bvh) {
+    Result<std::string> text = publish::write_take_bvh(*take, form.substr(std::min(form.size(), std::string_view("bvh.").size())));
+    if (!text) return fail(std::move(text.error()));
+    return ApiReply{200, std::move(*text), "application/octet-stream"};
+  }
   if (form == "glb") return ApiReply{200, text_of(publish::write_take_glb(*take)), "application/octet-stream"};
   return ApiReply{200, form == "usda" ? publish::write_take_usda(*take) : publish::write_take_csv(*take), "application/octet-stream"};
 }

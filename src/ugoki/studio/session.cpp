@@ -559,12 +559,13 @@ std::vector<ProjectEntry> Session::project_entries() const {
   const content::Resources& resources = project_.resources();
   const std::set<std::string> used = used_motions();
   std::vector<ProjectEntry> entries;
-  for (const auto& [id, mechanism] : resources.mechanisms) entries.push_back({id, mechanism, id, nullptr});
+  for (const auto& [id, mechanism] : resources.mechanisms)
+    if (!content::is_prop_mechanism(id)) entries.push_back({id, mechanism, id, nullptr});
   for (const auto& [id, motion] : resources.motions) {
     ProjectEntry entry{id, nullptr, "", motion};
     entry.used = used.contains(id) || !id.starts_with(made_motion_prefix);
     for (const auto& [mechanism_id, mechanism] : resources.mechanisms) {
-      if (mechanism->nq() != motion->nq || (entry.mechanism && mechanism->name() != motion->mechanism)) continue;
+      if (content::is_prop_mechanism(mechanism_id) || mechanism->nq() != motion->nq || (entry.mechanism && mechanism->name() != motion->mechanism)) continue;
       entry.mechanism = mechanism;
       entry.mechanism_id = mechanism_id;
     }

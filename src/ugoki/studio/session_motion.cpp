@@ -296,7 +296,7 @@ Result<std::string> Session::insert_motion(const MotionTask& task) {
       mechanism = store::entry_id(store::EntryKind::mechanism, bytes_of(text));
       for (const auto& [known, body] :
            project_.resources().mechanisms)  // reuse an identical mechanism that the project has under another id
-        if (formats::write_mechanism(*body) == text) mechanism = known;
+        if (!content::is_prop_mechanism(known) && formats::write_mechanism(*body) == text) mechanism = known;
       if (Result<void> put = project_.add_resource(mechanism, "mechanism", bytes_of(text)); !put) return fail(std::move(put.error()));
     }
     on = free_id(project_.scenario(), 'c');

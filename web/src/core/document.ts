@@ -7,6 +7,7 @@ import type { FilmCamera, FilmShot } from './film';
 import type { Look, Material } from './look';
 import type { GaitRecipe } from './motion/gait';
 import type { Vec3 } from './protocol';
+import type { Prop } from './props';
 import { edit_keys, type KeyedLayer, type KeyName, type KeyPut } from './posing/keys';
 import type { StoredPose } from './posing/pose_library';
 import type { Rule } from './rules';
@@ -70,6 +71,8 @@ export interface Character extends Material {
   place: Place;
   control: Control;
   track: Clip[];
+  /** The character is a prop: the service makes its mechanism from these values. */
+  prop?: Prop;
 }
 
 export interface ScenarioEvent {
@@ -167,12 +170,12 @@ export type Command =
   | { type: 'layer.remove'; character: string; clip: string; layer: string }
   | { type: 'layer.move'; character: string; clip: string; layer: string; at: number }
   | { type: 'key.edit'; character: string; clip: string; layer: string; take?: KeyName[]; put?: KeyPut[]; label?: string }
-  | { type: 'character.add'; mechanism: string; id?: string; name?: string; place?: Partial<Place>; color?: string; control?: Partial<Control> }
+  | { type: 'character.add'; mechanism?: string; prop?: Partial<Prop>; id?: string; name?: string; place?: Partial<Place>; color?: string; group?: string; control?: Partial<Control> }
   | { type: 'track.move'; character: string; at: number }
   | { type: 'pose.add'; pose: Omit<StoredPose, 'id'> & { id?: string }; at?: number }
   | { type: 'pose.set'; id: string; pose: Partial<Omit<StoredPose, 'id'>> }
   | { type: 'pose.remove'; id: string }
-  | ({ type: 'character.set'; id: string } & Material & { name?: string; color?: string; place?: Partial<Place>; control?: Partial<Control>; muted?: boolean; solo?: boolean; locked?: boolean; group?: string })
+  | ({ type: 'character.set'; id: string } & Material & { prop?: Partial<Prop>; name?: string; color?: string; place?: Partial<Place>; control?: Partial<Control>; muted?: boolean; solo?: boolean; locked?: boolean; group?: string })
   | { type: 'character.remove'; id: string }
   | { type: 'event.add'; event: Omit<ScenarioEvent, 'id'> & { id?: string } }
   | { type: 'event.set'; id: string; event: Partial<Omit<ScenarioEvent, 'id' | 'type'>> }
@@ -283,8 +286,8 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
     case 'clip.remove':
       return map_character(doc, command.character, (c) => ({ ...c, track: c.track.filter((k) => k.id !== command.id) }));
     case 'character.set': {
-      const { type: _type, id, place, control, ...fields } = command;
-      return map_character(doc, id, (c) => ({ ...c, ...fields, place: { ...c.place, ...place }, control: { ...c.control, ...control } }));
+      const { type: _type, id, place, control, prop, ...fields } = command;
+      return map_character(doc, id, (c) => ({ ...c, ...fields, place: { ...c.place, ...place }, control: { ...c.control, ...control }, ...(c.prop ? { prop: { ...c.prop, ...prop } } : {}) }));
     }
     case 'track.move':
       return { ...doc, track_order: move_track(doc, command.character, command.at) };

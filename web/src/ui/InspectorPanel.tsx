@@ -20,6 +20,7 @@ import { JointFields } from './posing/JointFields';
 import { EntryDetails } from './library/EntryDetails';
 import { VariableFields } from './rules/Variables';
 import { ChoiceField, NumberField, SwitchField, TextField } from './NumberField';
+import { PropFields } from './PropFields';
 
 const send = (command: Command): void => void session.edit(command);
 
@@ -41,7 +42,8 @@ export function InspectorPanel(): ReactElement {
     if (clip) body = <ClipFieldsView key={clip.id} character={selection.character} clip={clip} entry={session.entry(clip.motion)} />;
   } else if (selection.kind === 'character') {
     const character = find_character(doc, selection.character);
-    if (character) body = <CharacterFields key={character.id} character={character} link={selection.link} doc={doc} posing={posing} />;
+    if (character?.prop) body = <PropFields key={character.id} character={character} prop={character.prop} />;
+    else if (character) body = <CharacterFields key={character.id} character={character} link={selection.link} doc={doc} posing={posing} />;
   } else if (selection.kind === 'event') {
     const event = find_event(doc, selection.event);
     if (event) body = <EventFields key={event.id} event={event} doc={doc} />;

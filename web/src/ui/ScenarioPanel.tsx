@@ -1,14 +1,18 @@
 import { useCallback, useEffect, useLayoutEffect, useRef, useState, type DragEvent, type KeyboardEvent, type ReactElement } from 'react';
+import { createPortal } from 'react-dom';
 import { find_marker } from '../core/document';
 import { add_items, items_of, move_items, selection_of, type Item } from '../core/items';
 import { format_ruler, format_time } from '../core/format';
 import { fit_view, pan_by, round_to_frame, ruler_steps, time_to_x, x_to_time, zoom_at, type TimeView } from '../core/timeline';
+import { prop_kinds, prop_shapes } from '../core/props';
 import { shown_document } from '../core/state';
 import { track_rows } from '../core/track_groups';
 import { add_character, add_motion, run } from './actions';
 import { page, parts, plain_canvas, session, usePage, useStudio } from './app';
 import { Icon } from './icons';
 import { MarkerFlags, RangeBar } from './markers';
+import { Menu } from './Menu';
+import { insert_prop } from './prop_actions';
 import { CameraTrack } from './film/CameraTrack';
 import { EventTrack } from './EventTrack';
 import { drop_target, GroupRow, Track, type DropGhost } from './tracks';
@@ -24,6 +28,7 @@ export function ScenarioPanel(): ReactElement {
   const root = useRef<HTMLDivElement>(null);
   const [width, set_width] = useState(800);
   const [ghost, set_ghost] = useState<DropGhost | null>(null);
+  const [props_menu, set_props_menu] = useState<{ x: number; y: number } | null>(null);
   const [guide, set_guide] = useState<number | null>(null);
   /** True until the user zooms or pans. While true, the whole scenario is fitted to the panel whenever the panel's size changes. */
   const fitted = useRef(true);
@@ -218,6 +223,16 @@ export function ScenarioPanel(): ReactElement {
           <button type="button" className="quiet" title="Add a push at the playhead  (Shift P)" disabled={doc.characters.length === 0} onClick={() => run('edit.push')}>
             + Push
           </button>
+          <button
+            type="button" className="quiet" aria-haspopup="menu" title="Add a prop: a box, ramp, stairs and others, fixed or moving"
+            onClick={(e) => {
+              const box = e.currentTarget.getBoundingClientRect();
+              set_props_menu({ x: box.left, y: box.bottom + 4 });
+            }}
+          >
+            + Prop
+          </button>
+          {props_menu && createPortal(<Menu x={props_menu.x} y={props_menu.y} over label="Add a prop" close={() => set_props_menu(null)} items={prop_shapes.map((shape) => ({ label: prop_kinds[shape].name, run: () => insert_prop(shape) }))} />, document.body)}
           <button type="button" className="quiet" title="Add a marker at the playhead  (M)" onClick={() => run('marker.add')}>
             + Marker
           </button>

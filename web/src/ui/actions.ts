@@ -14,6 +14,7 @@ import { RequestError, type ServiceError, type UsedLibrary } from '../core/proto
 import { lowest_point } from '../view/character_view';
 import { new_pose_name, store_pose } from '../core/posing/pose_library';
 import { end_tour } from './Tour';
+import { prop_commands } from './prop_actions';
 import { add_camera, cut_here, key_view, place_camera, toggle_through } from './film/actions';
 import { access, circuit, comparer, page, parts, poser, registry, session } from './app';
 import { add_gait, body_for_gait } from './motion/gait_actions';
@@ -347,7 +348,8 @@ export async function export_as(form: string, ending: string): Promise<void> {
       if (libraries.length > 0) return session.set({ dialog: 'carry', used_libraries: libraries });
     }
     session.notify('Exporting …');
-    const response = await access.fetch(`api/export/${form}`);
+    const chosen = form === 'bvh' ? selected_character(state()) : null;
+    const response = await access.fetch(`api/export/${form}${chosen ? `.${chosen}` : ''}`);
     if (!response.ok) {
       const { problems } = new RequestError(((await response.json()) as { error?: ServiceError }).error, 'The export failed.');
       return session.notify(problems.map((p) => [p.message, p.remedy].filter(Boolean).join(' ')).join('\n'), 'error');
@@ -428,6 +430,7 @@ const commands: AppCommand[] = [
     ['glb', 'glTF with the simulated motion', '.glb'],
     ['usda', 'USD with the simulated motion', '.usda'],
     ['csv', 'a table of the simulated motion', '.csv'],
+    ['bvh', 'BVH of the selected character', '.bvh'],
   ] as const).map(([form, what, ending]): AppCommand => ({ id: `file.export_${form}`, label: `Export as ${what}…`, group: 'Project', enabled: has_document, run: () => void export_as(form, ending) })),
 
   { id: 'file.export_picture', label: 'Save a picture of the viewport (PNG)', group: 'Project', keys: ['F2'], enabled: () => has_document() && parts.viewport !== null, run: () => void export_picture() },
@@ -464,6 +467,7 @@ const commands: AppCommand[] = [
   { id: 'edit.push', label: 'Add push at playhead', group: 'Edit', keys: ['Shift+P'], enabled: () => (state().document?.characters.length ?? 0) > 0, run: add_push },
   { id: 'edit.grab', label: 'Add grab of the selected link at playhead', group: 'Edit', keys: ['Shift+G'], enabled: () => (state().document?.characters.length ?? 0) > 0, run: add_grab },
   { id: 'edit.release', label: 'Add release of the selected grab or link at playhead', group: 'Edit', keys: ['Alt+G'], enabled: has_document, run: add_release },
+  ...prop_commands,
   { id: 'edit.ripple', label: 'Ripple: edits of clips move everything after them', group: 'Edit', keys: ['Shift+E'], enabled: has_document, run: () => page.setState({ ripple: !page.getState().ripple }) },
   { id: 'edit.insert_time', label: 'Insert 1 s at the playhead: move everything after it', group: 'Edit', enabled: has_document, run: () => { const { document } = state(); if (document) void session.edit(insert_time(document, frame_time(), 1)); } },
   { id: 'marker.add', label: 'Add marker at playhead', group: 'Edit', keys: ['M'], enabled: has_document, run: add_marker },

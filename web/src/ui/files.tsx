@@ -34,6 +34,7 @@ export function ProjectMenu(): ReactElement {
     command('file.export_native'),
     command('file.export_glb'),
     command('file.export_usda'),
+    command('file.export_bvh'),
     command('file.export_csv'),
     command('file.export_picture', true),
     command('file.export_measures'),

@@ -208,7 +208,7 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
         <span className="dot" style={{ background: character.color ?? '#e6e6ea' }} />
         <span className="label">{character.name}</span>
         {state === CharacterState.released && <span className="released">released</span>}
-        {character.control.mode === 'passive' && state !== CharacterState.released && <span className="passive">passive</span>}
+        {character.control.mode === 'passive' && state !== CharacterState.released && <span className="passive">{character.prop ? (character.prop.mass > 0 ? 'prop' : 'fixed') : 'passive'}</span>}
       </button>
       <TrackSwitches character={character} />
       </div>

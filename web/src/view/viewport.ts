@@ -298,6 +298,12 @@ export class Viewport {
     return new Promise((done) => this.picture_canvas().toBlob(done, 'image/png')); // in the same task as draw(), before the browser clears the buffer
   }
 
+  /** Point on the ground below the centre of the view, m. */
+  get looks_at(): { x: number; y: number } {
+    const { x, y } = this.rig.current.target;
+    return { x, y };
+  }
+
   private picture_canvas(): HTMLCanvasElement {
     this.draw(this.session.frames.latest, true);
     const part = this.rig.film_frame;

@@ -6,7 +6,10 @@ import { desk, session } from '../app';
 /** The character that a new gait moves: the selected one, or the only one. */
 export function body_for_gait(): string | null {
   const { document } = session.state;
-  return selected_character(session.state) ?? (document?.characters.length === 1 ? document.characters[0]!.id : null);
+  const bodies = document?.characters.filter((c) => !c.prop) ?? [];
+  const selected = selected_character(session.state);
+  if (selected) return bodies.some((c) => c.id === selected) ? selected : null;
+  return bodies.length === 1 ? bodies[0]!.id : null;
 }
 
 /** Lets the character walk after its last clip. */
