@@ -349,6 +349,7 @@ Result<content::ContentText> make_content(std::string_view text, std::string_vie
     return {};
   };
   for (content::ScenarioCharacter& c : content->scenario.characters) {
+    if (c.prop) continue;  // its mechanism follows from the scenario
     if (Result<void> made = mechanism(c.mechanism); !made) return fail(std::move(made.error()));
     for (content::ScenarioClip& clip : c.track) {
       if (Result<void> made = motion(clip.motion); !made) return fail(std::move(made.error()));
