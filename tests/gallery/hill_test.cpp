@@ -30,5 +30,40 @@ TEST(Hill, AHumanWalksOverPropsWithoutAssist) {
   EXPECT_NEAR(player.q(ball)[2], 0, 0.35) << "m";
 }
 
+// A character that begins on a platform stands on it as on the floor, with and without root assist.
+TEST(Hill, APlatformIsAFloor) {
+  for (const double assist : {0.0, 0.5}) {
+    double tracking[2] = {}, used[2] = {};
+    for (const bool raised : {false, true}) {
+      const std::string height = raised ? "3" : "0";
+      const Result<content::ContentText> made = make_content(
+          R"({"scenario": {"version": 1, "name": "platform", "duration": 4, "characters": [{"id": "human", "mechanism": "human",
+          "place": {"x": 0, "y": 0, "z": )" + height + R"(}, "control": {"assist_limit": )" + std::to_string(assist) + R"(},
+          "track": [{"id": "k1", "motion": "human-walk", "start": 0, "length": 4, "loop": true}]}, {"id": "p1", "place": {"x": 3},
+          "prop": {"shape": "box", "size": [12, 4, )" + (raised ? "3" : "0.005") + R"(], "friction": 0.9}}]}, "mechanisms": {}, "motions": {}})",
+          "platform");
+      ASSERT_TRUE(made) << made.error().text();
+      content::Scenario scenario = made->scenario;
+      if (!raised) scenario.characters.pop_back();
+      const auto bytes = content::generate(scenario, made->resources);
+      ASSERT_TRUE(bytes) << bytes.error().text();
+      auto player = content::Player::open(*bytes, "platform");
+      ASSERT_TRUE(player) << player.error().text();
+      int feet = 0, steps = 0;
+      while (player->time() < 4) {
+        ASSERT_TRUE(player->step());
+        feet += player->measures(0).feet_on_ground;
+        ++steps;
+      }
+      EXPECT_GT(player->q(0)[2], 0.82 + (raised ? 3 : 0)) << "m: assist " << assist;
+      EXPECT_GT(feet, steps) << "feet on the ground, at least one on the average";
+      tracking[raised] = player->measures(0).tracking_rms_deg;
+      used[raised] = player->measures(0).assist_rms_bw;
+    }
+    EXPECT_NEAR(tracking[1], tracking[0], 0.2) << "degrees, assist limit " << assist;
+    EXPECT_NEAR(used[1], used[0], 0.002) << "body weights, assist limit " << assist;
+  }
+}
+
 }  // namespace
 }  // namespace ugoki::studio

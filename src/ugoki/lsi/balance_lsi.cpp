@@ -254,6 +254,11 @@ std::int32_t step(const Call* call) {
   return 0;
 }
 
+/// Height of the floor on which the track's first clip was laid, m: a character may begin on a platform.
+double floor_of_track(const Character& c, const World& world) {
+  return c.track ? c.track->clips().front().clip.placement.z : world.ground().height;
+}
+
 void* make(Setup& s) {
   const Character* character = character_of(s);
   const World* world = world_of(s);
@@ -287,7 +292,7 @@ void* make(Setup& s) {
     options.swing = s.number("swing") * pi / 180;
     const std::vector<MechanismPtr> systems = world->mechanisms();
     self->systems = systems;
-    self->balance.emplace(character->mechanism, self->track, options, world->ground().height,
+    self->balance.emplace(character->mechanism, self->track, options, floor_of_track(*character, *world),
                           control::GroundMap(systems, character->index, world->ground().height));
     if (static_cast<std::size_t>(character->mechanism->nq()) <= control::FallState::max_coordinates) {
       control::FallOptions protection;

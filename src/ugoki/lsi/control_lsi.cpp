@@ -8,6 +8,7 @@ namespace ugoki::lsi {
 namespace {
 
 struct Control {
+  const World* world;
   const Character* character;
   ReferenceLayout layout;
   control::MotionControl control;
@@ -25,7 +26,7 @@ std::int32_t step(const Call* call) {
   const double* reference = circuit::input(call, 1);
   self.contacts.clear();
   for (const ContactRecord& c : records<ContactRecord>(call->in[2]))
-    if (c.point.system_a == self.character->index || c.point.system_b == self.character->index) self.contacts.push_back(c.point);
+    if (c.point.system_a == self.character->index || c.point.system_b == self.character->index) self.contacts.push_back(self.world->on_ground(c.point, self.character->index));
   control::ControlInput in;
   in.q = q_of(*self.character, state);
   in.v = v_of(*self.character, state);
@@ -78,7 +79,8 @@ void* make(Setup& s) {
   options.root_frequency = s.number("root frequency");
   options.patience = s.number("patience");
   options.gravity = world->gravity();
-  auto* self = new Control{character,
+  auto* self = new Control{world,
+                           character,
                            reference_layout(*character->mechanism, character->feet.size()),
                            control::MotionControl(character->mechanism, options),
                            {}};

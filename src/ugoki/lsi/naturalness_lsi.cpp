@@ -30,6 +30,7 @@ struct Sums {
 };
 
 struct Naturalness {
+  const World* world;
   const Character* character;
   ReferenceLayout layout;
   naturalness::Meter meter;
@@ -73,8 +74,9 @@ int count_feet(Naturalness& self, const void* contacts) {
   for (std::uint8_t& b : self.bears) b = 0;
   int feet = 0;
   for (const ContactRecord& c : records<ContactRecord>(contacts)) {
-    if (c.point.system_a != self.character->index || c.point.system_b >= 0 || c.point.distance > touching) continue;
-    const int foot = self.foot_of_link[static_cast<std::size_t>(c.point.link_a)];
+    const collision::ContactPoint point = self.world->on_ground(c.point, self.character->index);
+    if (point.system_a != self.character->index || point.system_b >= 0 || point.distance > touching) continue;
+    const int foot = self.foot_of_link[static_cast<std::size_t>(point.link_a)];
     if (foot < 0 || self.bears[static_cast<std::size_t>(foot)]) continue;
     self.bears[static_cast<std::size_t>(foot)] = 1;
     ++feet;
@@ -204,7 +206,8 @@ void* make(Setup& s) {
   const Character& c = *character_of(s);
   const World& world = *world_of(s);
   const Mechanism& m = *c.mechanism;
-  auto* self = new Naturalness{&c,
+  auto* self = new Naturalness{&world,
+                               &c,
                                reference_layout(m, c.feet.size()),
                                naturalness::Meter(m, options_of(world)),
                                false,

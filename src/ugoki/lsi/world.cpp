@@ -1,6 +1,7 @@
 #include "ugoki/lsi/world.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "ugoki/base/check.h"
 #include "ugoki/lsi/track_sampler.h"
@@ -24,6 +25,17 @@ void raise_above(const Mechanism& m, double ground, std::span<double> q) {
 
 }  // namespace
 
+collision::ContactPoint World::on_ground(const collision::ContactPoint& contact, int own) const {
+  collision::ContactPoint c = contact;
+  if (c.system_b == own && c.system_a != own && is_ground(c.system_a, c.link_a)) {
+    std::swap(c.system_a, c.system_b);
+    std::swap(c.link_a, c.link_b);
+    c.n = -c.n;
+  }
+  if (c.system_a == own && c.system_b != own && is_ground(c.system_b, c.link_b)) c.system_b = c.link_b = -1;
+  return c;
+}
+
 World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> events, const Vec3& gravity,
              const collision::Ground& ground)
     : events_(std::move(events)), gravity_(gravity), ground_(ground) {
@@ -36,6 +48,8 @@ World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> 
     c.index = static_cast<int>(characters_.size());
     c.mechanism = spec.mechanism;
     c.feet = find_feet(m);
+    for (const Link& link : m.links())
+      c.fixed.push_back(link.joint.nv() == 0 && (link.parent < 0 || c.fixed[static_cast<std::size_t>(link.parent)]));
     c.q0 = spec.q0.empty() ? m.neutral() : std::move(spec.q0);
     c.v0.resize(static_cast<std::size_t>(m.nv()));
     UGOKI_CHECK(c.q0.size() == static_cast<std::size_t>(m.nq()));

@@ -45,6 +45,7 @@ struct Character {
   MotionPtr torques;                          ///< motion whose torques drive the character; null: none
   std::vector<double> q0, v0;                 ///< [nq], [nv] position and velocity at time 0
   std::vector<int> feet;                      ///< indices of links, from find_feet
+  std::vector<unsigned char> fixed;           ///< [links] 1: no joint with DOFs lies between the world and the link
   std::size_t q_offset = 0, v_offset = 0;     ///< index of the first number of q, and of v, in a state payload
   std::size_t first_link = 0;                 ///< index of the character's first link in the poses of the display LSI
 };
@@ -71,6 +72,13 @@ class World final : public circuit::Resources {
   [[nodiscard]] const Vec3& gravity() const { return gravity_; }
   [[nodiscard]] const collision::Ground& ground() const { return ground_; }
   [[nodiscard]] std::vector<MechanismPtr> mechanisms() const;
+  /// True for the ground (character -1) and for links that cannot move, on which others stand as on the ground.
+  [[nodiscard]] bool is_ground(int character, int link) const {
+    return character < 0 || characters_[static_cast<std::size_t>(character)].fixed[static_cast<std::size_t>(link)] != 0;
+  }
+  /// The contact as one of the character `own` with the ground (body b) if it is one with the ground or with a link that cannot move;
+  /// otherwise as it is.
+  [[nodiscard]] collision::ContactPoint on_ground(const collision::ContactPoint& contact, int own) const;
   [[nodiscard]] std::size_t state_size() const { return state_size_; }  ///< total nq + nv over all characters
   [[nodiscard]] std::size_t link_count() const { return link_count_; }  ///< total number of links of all characters
   /// Number of elements of a state payload: state_size(), but at least 1.
