@@ -249,6 +249,7 @@ export const timeline_journeys = [
       const human = human_of(before);
       const clip = human.track[0];
       await page.locator('.scenario').click({ position: { x: 420, y: 6 } });
+      await page.keyboard.press('Escape'); // several selected clips would move together
       await page.getByRole('button', { name: 'Ripple', exact: true }).click();
       const later = before.events.filter((e) => e.time >= clip.start).map((e) => e.time);
       await page.keyboard.press('Home');
