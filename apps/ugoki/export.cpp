@@ -368,7 +368,8 @@ void add_export_verb(Verb app, Action& action) {
   verb.add_option("--blender", o->blender, "Blender (default: found on the path)").group("Other tools");
   file("--mjcf", o->mjcf, "MuJoCo: mechanism of one character, its motion as keyframes").group("Other tools");
   file("--urdf", o->urdf, "URDF: mechanism of one character, its motion as a table beside it").group("Other tools");
-  verb.add_option("--character", o->character, "Character for --bvh, --mjcf and --urdf: id or name (default: the first one)").group("Other tools");
+  verb.add_option("--character", o->character, "Character for --bvh, --mjcf and --urdf: id or name (default: the first one)")
+      .group("Other tools");
   verb.add_option("--rate", o->take_rate, "Frames per second of pictures and animations (default: that of the content)")
       .check(range(1.0, 1000.0));
   verb.add_option("--duration", o->duration, "Time at which pictures and animations end, s (default: the end)")

@@ -35,7 +35,8 @@ void add_skeleton_option(Verb verb, SourceOptions& options);
 void add_rate_option(Verb verb, SourceOptions& options);
 /// Adds --height and --mass of the person.
 void add_person_options(Verb verb, SourceOptions& options);
-/// Adds the options --unit, --up, --forward, --travel, --correct-labels, --mapping, --character and --take, which correct a motion file or choose from it.
+/// Adds the options --unit, --up, --forward, --travel, --correct-labels, --mapping, --character and --take, which correct a motion file or
+/// choose from it.
 void add_correction_options(Verb verb, SourceOptions& options);
 
 /// Path of the library: `option`, or the default path if it is empty.

@@ -4,37 +4,16 @@
 
 #include <cmath>
 
-#include "fixture.h"
-#include "ugoki/content/commands.h"
-#include "ugoki/content/executable.h"
-#include "ugoki/content/player.h"
+#include "command_fixture.h"
 
 namespace ugoki::content {
 namespace {
 
-using testing::make_resources;
-
-class PropTest : public ::testing::Test {
+class PropTest : public testing::CommandFixture {
  protected:
-  void add(const std::string& fields) {
-    auto effect = apply_command(document, R"({"type": "character.add", )" + fields + "}", catalogue, next_id);
-    ASSERT_TRUE(effect) << effect.error().text();
-    document = std::move(effect->scenario);
-  }
-  void bad(const std::string& fields, ErrorCode code, const std::string& location) {
-    const auto effect = apply_command(document, R"({"type": "character.add", )" + fields + "}", catalogue, next_id);
-    ASSERT_FALSE(effect) << fields;
-    EXPECT_EQ(effect.error().problems.front().code, code) << effect.error().text();
-    EXPECT_EQ(effect.error().problems.front().location, location) << effect.error().text();
-    EXPECT_FALSE(effect.error().problems.front().remedy.empty());
-  }
-  Player open() {
-    const auto bytes = generate(document, resources);
-    EXPECT_TRUE(bytes) << (bytes ? "" : bytes.error().text());
-    auto player = Player::open(*bytes, "test");
-    EXPECT_TRUE(player) << (player ? "" : player.error().text());
-    return std::move(*player);
-  }
+  static std::string adding(const std::string& fields) { return R"({"type": "character.add", )" + fields + "}"; }
+  void add(const std::string& fields) { apply(adding(fields)); }
+  void bad(const std::string& fields, ErrorCode code, const std::string& location) { refuses(adding(fields), code, location); }
   /// Position of the root of a character after `seconds`, m.
   Vec3 root_after(double seconds, int character) {
     Player player = open();
@@ -42,11 +21,6 @@ class PropTest : public ::testing::Test {
     const std::span<const double> q = player.q(character);
     return {q[0], q[1], q[2]};
   }
-
-  Resources resources = make_resources();
-  Catalogue catalogue = catalogue_of(resources);
-  Scenario document;
-  std::uint64_t next_id = 1;
 };
 
 TEST_F(PropTest, DocumentKeepsThem) {
@@ -62,11 +36,10 @@ TEST_F(PropTest, DocumentKeepsThem) {
   EXPECT_EQ(*read, document);
   // a changed size is a changed mechanism, and one command
   const std::string before = stairs.mechanism, id = stairs.id;
-  auto effect = apply_command(document, R"({"type": "character.set", "id": ")" + id + R"(", "prop": {"steps": 6}})", catalogue, next_id);
-  ASSERT_TRUE(effect) << effect.error().text();
-  EXPECT_EQ(effect->label, "Change prop");
-  EXPECT_EQ(effect->scenario.characters[0].prop->size, (Vec3{1.5, 2, 0.6}));
-  EXPECT_NE(effect->scenario.characters[0].mechanism, before);
+  apply(R"({"type": "character.set", "id": ")" + id + R"(", "prop": {"steps": 6}})");
+  EXPECT_EQ(label, "Change prop");
+  EXPECT_EQ(document.characters[0].prop->size, (Vec3{1.5, 2, 0.6}));
+  EXPECT_NE(document.characters[0].mechanism, before);
 }
 
 TEST_F(PropTest, RefusesFaultyOnes) {
@@ -103,10 +76,10 @@ TEST_F(PropTest, BodiesRestOnThem) {
   add(R"("id": "platform", "prop": {"shape": "box", "size": [2, 1, 0.7]}, "place": {"x": 10, "y": 5, "heading": 90})");
   add(R"("id": "stairs", "prop": {"shape": "stairs", "size": [2, 2, 0.8], "steps": 4}, "place": {"x": -5, "y": 1, "heading": 180})");
   const std::string box = R"("prop": {"shape": "box", "size": [0.2, 0.2, 0.2], "mass": 3}, "place": )";
-  add(box + R"({"x": 10, "y": 5.8, "z": 1})");       // the platform is turned, so it reaches 1 m along y
-  add(box + R"({"x": 10.8, "y": 5, "z": 1})");       // and only 0.5 m along x
-  add(box + R"({"x": -5.75, "y": 1, "z": 1})");      // the last step of the turned stairs
-  add(box + R"({"x": -4.25, "y": 1, "z": 1})");      // the first one
+  add(box + R"({"x": 10, "y": 5.8, "z": 1})");   // the platform is turned, so it reaches 1 m along y
+  add(box + R"({"x": 10.8, "y": 5, "z": 1})");   // and only 0.5 m along x
+  add(box + R"({"x": -5.75, "y": 1, "z": 1})");  // the last step of the turned stairs
+  add(box + R"({"x": -4.25, "y": 1, "z": 1})");  // the first one
   EXPECT_NEAR(root_after(1.5, 2).z, 0.7, 1e-3);
   EXPECT_NEAR(root_after(1.5, 3).z, 0, 1e-3);
   EXPECT_NEAR(root_after(1.5, 4).z, 0.8, 1e-3);

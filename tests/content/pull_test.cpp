@@ -2,40 +2,20 @@
 
 #include <gtest/gtest.h>
 
-#include "fixture.h"
-#include "ugoki/content/commands.h"
-#include "ugoki/content/player.h"
+#include "command_fixture.h"
 
 namespace ugoki::content {
 namespace {
 
-using testing::make_resources;
 using testing::make_scenario;
 
-class PullTest : public ::testing::Test {
+class PullTest : public testing::CommandFixture {
  protected:
+  PullTest() { document = make_scenario(); }
   static std::string add(const std::string& fields) {
     return R"({"type": "event.add", "event": {"type": "pull", "time": 0.2, "character": "ball", "link": "ball", )" + fields + "}}";
   }
-  void bad(const std::string& fields, ErrorCode code, const std::string& location) {
-    const auto effect = apply_command(document, add(fields), catalogue, next_id);
-    ASSERT_FALSE(effect) << fields;
-    EXPECT_EQ(effect.error().problems.front().code, code) << effect.error().text();
-    EXPECT_EQ(effect.error().problems.front().location, location) << effect.error().text();
-    EXPECT_FALSE(effect.error().problems.front().remedy.empty());
-  }
-  Player open() {
-    const auto bytes = generate(document, resources);
-    EXPECT_TRUE(bytes) << (bytes ? "" : bytes.error().text());
-    auto player = Player::open(*bytes, "test");
-    EXPECT_TRUE(player) << (player ? "" : player.error().text());
-    return std::move(*player);
-  }
-
-  Resources resources = make_resources();
-  Catalogue catalogue = catalogue_of(resources);
-  Scenario document = make_scenario();
-  std::uint64_t next_id = 1;
+  void bad(const std::string& fields, ErrorCode code, const std::string& location) { refuses(add(fields), code, location); }
 };
 
 TEST_F(PullTest, DocumentKeepsTheTargets) {

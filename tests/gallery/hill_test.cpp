@@ -1,6 +1,7 @@
 // A walking human climbs a ramp, crosses a platform between props, and goes down again, without root assist.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "play.h"
 
@@ -32,19 +33,24 @@ TEST(Hill, AHumanWalksOverPropsWithoutAssist) {
 
 // A character that begins on a platform stands on it as on the floor, with and without root assist.
 TEST(Hill, APlatformIsAFloor) {
-  for (const double assist : {0.0, 0.5}) {
+  // In a contact, the body with the smaller index comes first: the platform stands before the character, and after it.
+  for (const auto& [assist, before] : {std::pair{0.0, false}, {0.5, false}, {0.5, true}}) {
     double tracking[2] = {}, used[2] = {};
     for (const bool raised : {false, true}) {
       const std::string height = raised ? "3" : "0";
       const Result<content::ContentText> made = make_content(
           R"({"scenario": {"version": 1, "name": "platform", "duration": 4, "characters": [{"id": "human", "mechanism": "human",
-          "place": {"x": 0, "y": 0, "z": )" + height + R"(}, "control": {"assist_limit": )" + std::to_string(assist) + R"(},
+          "place": {"x": 0, "y": 0, "z": )" +
+              height + R"(}, "control": {"assist_limit": )" + std::to_string(assist) + R"(},
           "track": [{"id": "k1", "motion": "human-walk", "start": 0, "length": 4, "loop": true}]}, {"id": "p1", "place": {"x": 3},
-          "prop": {"shape": "box", "size": [12, 4, )" + (raised ? "3" : "0.005") + R"(], "friction": 0.9}}]}, "mechanisms": {}, "motions": {}})",
+          "prop": {"shape": "box", "size": [12, 4, )" +
+              (raised ? "3" : "0.005") + R"(], "friction": 0.9}}]}, "mechanisms": {}, "motions": {}})",
           "platform");
       ASSERT_TRUE(made) << made.error().text();
       content::Scenario scenario = made->scenario;
       if (!raised) scenario.characters.pop_back();
+      if (raised && before) std::swap(scenario.characters[0], scenario.characters[1]);
+      const int human = raised && before ? 1 : 0;
       const auto bytes = content::generate(scenario, made->resources);
       ASSERT_TRUE(bytes) << bytes.error().text();
       auto player = content::Player::open(*bytes, "platform");
@@ -52,13 +58,13 @@ TEST(Hill, APlatformIsAFloor) {
       int feet = 0, steps = 0;
       while (player->time() < 4) {
         ASSERT_TRUE(player->step());
-        feet += player->measures(0).feet_on_ground;
+        feet += player->measures(human).feet_on_ground;
         ++steps;
       }
-      EXPECT_GT(player->q(0)[2], 0.82 + (raised ? 3 : 0)) << "m: assist " << assist;
+      EXPECT_GT(player->q(human)[2], 0.82 + (raised ? 3 : 0)) << "m: assist " << assist;
       EXPECT_GT(feet, steps) << "feet on the ground, at least one on the average";
-      tracking[raised] = player->measures(0).tracking_rms_deg;
-      used[raised] = player->measures(0).assist_rms_bw;
+      tracking[raised] = player->measures(human).tracking_rms_deg;
+      used[raised] = player->measures(human).assist_rms_bw;
     }
     EXPECT_NEAR(tracking[1], tracking[0], 0.2) << "degrees, assist limit " << assist;
     EXPECT_NEAR(used[1], used[0], 0.002) << "body weights, assist limit " << assist;

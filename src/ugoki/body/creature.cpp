@@ -391,8 +391,8 @@ class Maker {
   }
 
   /// Sets the strength of the joints. Joints that carry others can bear the body's weight at their lever. The stress of muscles does not
-  /// depend on the size of an animal, so torques per mass do not either (A. V. Hill 1950): those of small animals have the lever of a person.
-  /// Time constants follow from the size: sqrt(height / g).
+  /// depend on the size of an animal, so torques per mass do not either (A. V. Hill 1950): those of small animals have the lever of a
+  /// person. Time constants follow from the size: sqrt(height / g).
   void find_strengths() {
     const double lever = std::max(out_.height, 0.25 * size_);
     constexpr double person = 1.7;  // m

@@ -33,9 +33,9 @@ struct ExecutableCharacter {
   std::string id, name;
   std::string color;  ///< "#rrggbb"
   ScenarioMaterial material;
-  int mechanism = 0;    ///< index into Executable::mechanisms
-  MechanismPtr own;     ///< the mechanism at the character's place if its root is fixed, and with the springs of the secondary motion;
-                        ///< null: as in Executable::mechanisms
+  int mechanism = 0;  ///< index into Executable::mechanisms
+  MechanismPtr own;   ///< the mechanism at the character's place if its root is fixed, and with the springs of the secondary motion;
+                      ///< null: as in Executable::mechanisms
   ScenarioControl control;
   Placement placement;                ///< planar pose in the world at the start; m, heading in rad
   std::vector<double> q0;             ///< [nq] position coordinates at time 0

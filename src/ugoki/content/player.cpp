@@ -35,10 +35,10 @@ struct Player::Machine {
   std::vector<PinView> variables;  // values of content.variables
   std::span<std::byte> live;       // input `live` of the circuit: the user's events for the next step
   circuit::DeviceFeed devices;
-  std::vector<PlayerInput> inputs;     // inputs applied since the start
-  std::vector<PlayerInput> scheduled;  // sorted by step
-  std::size_t next_scheduled = 0;      // index into `scheduled`
-  bool displayed = false;              // true: the display LSIs have run since the last step
+  std::vector<PlayerInput> inputs;           // inputs applied since the start
+  std::vector<PlayerInput> scheduled;        // sorted by step
+  std::size_t next_scheduled = 0;            // index into `scheduled`
+  bool displayed = false;                    // true: the display LSIs have run since the last step
   circuit::DeviceState at_step;              // the last hold() that the last step read
   circuit::DeviceState given;                // the last hold()
   std::optional<circuit::DeviceState> late;  // a hold() that acts one step later, because it ends a press that no step has read yet

@@ -25,12 +25,12 @@ struct Prop {
   static constexpr int max_steps = 200;
   static constexpr double max_mass = 1e6;  ///< kg
   PropShape shape = PropShape::box;
-  Vec3 size = {1, 1, 1};  ///< m; components that the shape does not use are ignored
-  int steps = 5;          ///< number of steps (stairs)
-  Vec3 tilt;              ///< deg, from -180 to 180: rotation about x, then about the rotated y, then z, of the prop in its frame
-  double mass = 0;        ///< kg; 0: fixed in the world
-  double friction = 0.8;  ///< Coulomb coefficient, 0 to 10
-  double restitution = 0; ///< 0 to 1
+  Vec3 size = {1, 1, 1};   ///< m; components that the shape does not use are ignored
+  int steps = 5;           ///< number of steps (stairs)
+  Vec3 tilt;               ///< deg, from -180 to 180: rotation about x, then about the rotated y, then z, of the prop in its frame
+  double mass = 0;         ///< kg; 0: fixed in the world
+  double friction = 0.8;   ///< Coulomb coefficient, 0 to 10
+  double restitution = 0;  ///< 0 to 1
   friend bool operator==(const Prop&, const Prop&) = default;
 };
 

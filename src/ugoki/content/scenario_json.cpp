@@ -3,9 +3,9 @@
 #include "ugoki/circuit/migrate.h"
 #include "ugoki/content/film_json.h"
 #include "ugoki/content/gait_recipe_json.h"
-#include "ugoki/content/prop_json.h"
 #include "ugoki/content/layers.h"
 #include "ugoki/content/poses.h"
+#include "ugoki/content/prop_json.h"
 
 namespace ugoki::content {
 namespace {
@@ -127,8 +127,10 @@ void read_character(Fields& f, ScenarioCharacter& out) {
   f.text("group", out.group);
   read_object(f, "place", [&](Fields& g) { read_place(g, out.place); });
   if (f.has("prop")) {
-    if (!out.prop) out.control.mode = ControlMode::passive;
-    if (!out.prop) out.prop.emplace();
+    if (!out.prop) {
+      out.prop.emplace();
+      out.control.mode = ControlMode::passive;
+    }
     read_object(f, "prop", [&](Fields& g) { read_prop(g, *out.prop); });
     out.mechanism = prop_mechanism_id(*out.prop);
   }

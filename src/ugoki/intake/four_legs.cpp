@@ -295,7 +295,8 @@ class FourLegs {
     const auto middle = [&](const std::array<int, 2>& limbs) { return (mean_in(frame, limbs[0]) + mean_in(frame, limbs[1])) * 0.5; };
     const Vec3 back = middle(hind_), behind = normalized(back - middle(fore_));
     for (int i = 0; i < motions_[0].joint_count(); ++i) {
-      if (std::ranges::any_of(tops_, [&](int t) { return is_below(s_, i, t); }) || !is_below(s_, i, frame) || evidence_[at(i)].helper) continue;
+      if (std::ranges::any_of(tops_, [&](int t) { return is_below(s_, i, t); }) || !is_below(s_, i, frame) || evidence_[at(i)].helper)
+        continue;
       if (dot(mean_in(frame, [&](const std::vector<Pose>& X) { return tip(X, i); }) - back, behind) > min_reach * extent_) return true;
     }
     return false;

@@ -115,7 +115,8 @@ control::BalanceState begin_return(const Balance& self, std::span<const double> 
   return state;
 }
 
-/// True if the link hangs from a driven body by a joint without a drive, such as a stirrup on its strap: it moves by itself and carries little.
+/// True if the link hangs from a driven body by a joint without a drive, such as a stirrup on its strap: it moves by itself and carries
+/// little.
 bool hangs_freely(const Character& character, int link) {
   if (!character.track) return false;  // a passive object is carried as a whole
   const Mechanism& m = *character.mechanism;

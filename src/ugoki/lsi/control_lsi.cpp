@@ -26,7 +26,8 @@ std::int32_t step(const Call* call) {
   const double* reference = circuit::input(call, 1);
   self.contacts.clear();
   for (const ContactRecord& c : records<ContactRecord>(call->in[2]))
-    if (c.point.system_a == self.character->index || c.point.system_b == self.character->index) self.contacts.push_back(self.world->on_ground(c.point, self.character->index));
+    if (c.point.system_a == self.character->index || c.point.system_b == self.character->index)
+      self.contacts.push_back(self.world->on_ground(c.point, self.character->index));
   control::ControlInput in;
   in.q = q_of(*self.character, state);
   in.v = v_of(*self.character, state);

@@ -309,8 +309,8 @@ void add_naturalness(circuit::Library& library) {
     const std::uint32_t applied = s.in(in_applied).count;  // 0: not known yet
     if (applied != 0 && applied != World::payload_count(dofs))
       s.fail(ErrorCode::structure,
-             "The wire into '" + s.id() + ".applied' has " + std::to_string(applied) + " numbers; it must have " +
-                 std::to_string(dofs) + ", one for each degree of freedom of all characters.",
+             "The wire into '" + s.id() + ".applied' has " + std::to_string(applied) + " numbers; it must have " + std::to_string(dofs) +
+                 ", one for each degree of freedom of all characters.",
              "Wire the output `applied` of a dynamics LSI.");
     s.set_state(sizeof(Sums) + naturalness::Meter(*character->mechanism, options_of(*world)).memory_size() * sizeof(double));
   };

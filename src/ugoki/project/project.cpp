@@ -336,7 +336,8 @@ std::uint64_t Project::revision() const { return body_->revision; }
 std::vector<std::string> Project::missing_resources(std::string_view command) const {
   std::vector<std::string> missing;
   for (const std::string& id : content::resources_named(command))
-    if (!content::is_prop_mechanism(id) && !body_->has(id) && std::find(missing.begin(), missing.end(), id) == missing.end()) missing.push_back(id);
+    if (!content::is_prop_mechanism(id) && !body_->has(id) && std::find(missing.begin(), missing.end(), id) == missing.end())
+      missing.push_back(id);
   return missing;
 }
 

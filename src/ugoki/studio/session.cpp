@@ -565,7 +565,9 @@ std::vector<ProjectEntry> Session::project_entries() const {
     ProjectEntry entry{id, nullptr, "", motion};
     entry.used = used.contains(id) || !id.starts_with(made_motion_prefix);
     for (const auto& [mechanism_id, mechanism] : resources.mechanisms) {
-      if (content::is_prop_mechanism(mechanism_id) || mechanism->nq() != motion->nq || (entry.mechanism && mechanism->name() != motion->mechanism)) continue;
+      if (content::is_prop_mechanism(mechanism_id) || mechanism->nq() != motion->nq ||
+          (entry.mechanism && mechanism->name() != motion->mechanism))
+        continue;
       entry.mechanism = mechanism;
       entry.mechanism_id = mechanism_id;
     }

@@ -20,6 +20,7 @@ import { JointFields } from './posing/JointFields';
 import { EntryDetails } from './library/EntryDetails';
 import { VariableFields } from './rules/Variables';
 import { ChoiceField, NumberField, SwitchField, TextField } from './NumberField';
+import { PlacementFields } from './PlacementFields';
 import { PropFields } from './PropFields';
 
 const send = (command: Command): void => void session.edit(command);
@@ -106,11 +107,7 @@ function ClipFieldsView({ character, clip, entry }: { character: string; clip: C
 
 function CharacterFields({ character, link, doc, posing }: { character: Character; link: number | undefined; doc: ScenarioDocument; posing: boolean }): ReactElement {
   const mechanism = useStudio((s) => s.mechanisms[character.mechanism]);
-  const { place, control } = character;
-  const set_place = (key: keyof typeof place) => {
-    const command = (value: number): Command => ({ type: 'character.set', id: character.id, place: { [key]: value } });
-    return { on_preview: (v: number | null) => preview(v === null ? null : command(v)), on_commit: (v: number) => send(command(v)) };
-  };
+  const { control } = character;
   const set_control = (fields: Partial<typeof control>): void => send({ type: 'character.set', id: character.id, control: fields });
   const active = control.mode === 'track';
   const shown_link = link !== undefined ? mechanism?.links[link] : undefined;
@@ -135,11 +132,7 @@ function CharacterFields({ character, link, doc, posing }: { character: Characte
       <TextField label="Name" value={character.name} on_commit={(name) => send({ type: 'character.set', id: character.id, name })} />
       <TextField label="Group" value={character.group ?? ''} optional placeholder="none" title="Tracks of characters with the same group are shown together in the timeline and can be folded" on_commit={(group) => send({ type: 'character.set', id: character.id, group })} />
       <ColorField label="Colour" value={character.color ?? '#e6e6ea'} on_commit={(color) => send({ type: 'character.set', id: character.id, color })} />
-      <h4>Placement</h4>
-      <NumberField label="X" unit="m" value={place.x} step={0.01} {...set_place('x')} />
-      <NumberField label="Y" unit="m" value={place.y} step={0.01} {...set_place('y')} />
-      <NumberField label="Z" unit="m" value={place.z} step={0.01} {...set_place('z')} />
-      <NumberField label="Heading" unit="°" value={place.heading} step={1} digits={1} title="Rotation about the vertical axis, positive to the left" {...set_place('heading')} />
+      <PlacementFields character={character} />
       <h4>Motion control</h4>
       <ChoiceField
         label="Drive"

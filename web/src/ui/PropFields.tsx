@@ -1,28 +1,20 @@
 /** The inspector's fields of a prop. */
 import type { ReactElement } from 'react';
-import { apply_command, type Character, type Command, type Place } from '../core/document';
+import type { Character } from '../core/document';
 import { prop_kinds, type Prop } from '../core/props';
 import type { Vec3 } from '../core/protocol';
 import { run } from './actions';
 import { session } from './app';
 import { ColorField } from './ColorField';
 import { NumberField, SwitchField, TextField } from './NumberField';
+import { PlacementFields } from './PlacementFields';
 
 const axes = ['X', 'Y', 'Z'] as const;
 const usual_mass = 10; // kg, of a prop that is made movable
 
 export function PropFields({ character, prop }: { character: Character; prop: Prop }): ReactElement {
   const kind = prop_kinds[prop.shape];
-  const { place } = character;
   const set = (fields: Partial<Prop>): void => void session.edit({ type: 'character.set', id: character.id, prop: fields });
-  const set_place = (key: keyof Place) => {
-    const command = (value: number): Command => ({ type: 'character.set', id: character.id, place: { [key]: value } });
-    const show = (value: number): void => {
-      const { document } = session.state;
-      if (document) session.show_preview(apply_command(document, command(value)));
-    };
-    return { on_preview: (v: number | null) => (v === null ? session.show_preview(null) : show(v)), on_commit: (v: number) => void session.edit(command(v)) };
-  };
   const replaced = (vector: Vec3, i: number, value: number): Vec3 => vector.map((old, j) => (j === i ? value : old)) as Vec3;
   return (
     <>
@@ -38,11 +30,7 @@ export function PropFields({ character, prop }: { character: Character; prop: Pr
         <NumberField key={axis} label={kind.size[i]!} unit="m" value={prop.size[i]!} step={0.01} digits={prop.size[i]! < 0.1 ? 3 : 2} min={0.005} max={1000} on_commit={(v) => set({ size: replaced(prop.size, i, v) })} />
       ))}
       {prop.shape === 'stairs' && <NumberField label="Steps" unit="" value={prop.steps ?? 5} step={1} digits={0} min={1} max={200} title="Number of steps; all have the same height" on_commit={(steps) => set({ steps: Math.round(steps) })} />}
-      <h4>Placement</h4>
-      <NumberField label="X" unit="m" value={place.x} step={0.01} {...set_place('x')} />
-      <NumberField label="Y" unit="m" value={place.y} step={0.01} {...set_place('y')} />
-      <NumberField label="Z" unit="m" value={place.z} step={0.01} title="Height of the bottom" {...set_place('z')} />
-      <NumberField label="Heading" unit="°" value={place.heading} step={1} digits={1} title="Rotation about the vertical axis, positive to the left" {...set_place('heading')} />
+      <PlacementFields character={character} height="Height of the bottom" />
       {prop.shape !== 'sphere' && axes.slice(0, 2).map((axis, i) => (
         <NumberField key={axis} label={`Tilt ${axis}`} unit="°" value={prop.tilt?.[i] ?? 0} step={1} digits={1} min={-180} max={180} title={`Rotation about the prop's own ${axis} axis`} on_commit={(v) => set({ tilt: replaced(prop.tilt ?? [0, 0, 0], i, v) })} />
       ))}
