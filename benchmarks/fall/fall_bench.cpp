@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lying.h"
 #include "scene.h"
 #include "ugoki/body/body.h"
 #include "ugoki/control/fall_control.h"
@@ -26,7 +27,10 @@ constexpr const char* usage =
     "  --directions N number of directions (default 8)\n"
     "  --turn A       first direction, degrees (default 0: ahead)\n"
     "  --set NAME VALUE  parameter of fall control: tilt, height, reach, delay, frequency, strength\n"
-    "  --trace        print the phases of each fall\n";
+    "  --lying N      no push: the bodies get up from N random lying postures\n"
+    "  --height M     with --lying: height of the person, m (default 1.75)\n"
+    "  --first N      number of the first lying posture (default 0)\n"
+    "  --trace        print the phases of each fall or rise\n";
 
 control::FallOptions settings;  // of all runs
 
@@ -119,9 +123,11 @@ Fall run(const MechanismPtr& mechanism, const std::shared_ptr<const bench::Motio
 }  // namespace
 
 int main(int argc, char** argv) {
-  double push = 1.6, turn = 0;
+  double push = 1.6, turn = 0, height = 1.75;
   int directions = 8;
   bool trace = false;
+  bench::LyingSettings lying;
+  lying.count = 0;
   std::vector<std::string> files;
   for (int i = 1; i < argc; ++i) {
     const std::string a = argv[i];
@@ -146,6 +152,12 @@ int main(int argc, char** argv) {
         return 2;
       }
       *value = number();
+    } else if (a == "--lying") {
+      lying.count = static_cast<int>(number());
+    } else if (a == "--height") {
+      height = number();
+    } else if (a == "--first") {
+      lying.first = static_cast<std::uint64_t>(number());
     } else if (a == "--trace") {
       trace = true;
     } else if (a.starts_with("--")) {
@@ -159,7 +171,9 @@ int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   for (const std::string& file : files) {
     bench::ClipFile clip;
-    if (file == "person") {
+    if (file == "person" && lying.count > 0) {
+      clip = {file, samples::make_person(height).value(), nullptr};
+    } else if (file == "person") {
       body::BodyOptions all;
       all.keep_unmoved = true;
       const body::Body body = body::make_body(samples::make_human_stand(), all).value();
@@ -173,6 +187,14 @@ int main(int argc, char** argv) {
         continue;
       }
       clip = std::move(*read);
+    }
+    if (lying.count > 0) {
+      lying.mechanism = clip.mechanism;
+      lying.trace = trace;
+      const bench::LyingResult r = bench::run_lying(lying);
+      std::printf("%-14s %d of %d stand within 6 s, %d within 20 s (mean %.1f s)\n", clip.name.c_str(), r.in_time, lying.count, r.stood,
+                  r.time);
+      continue;
     }
     Motion motion = *clip.motion;
     if (!motion.cyclic) {

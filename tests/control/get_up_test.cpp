@@ -6,6 +6,8 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <random>
+#include <utility>
 #include <vector>
 
 #include "ugoki/control/balance_control.h"
@@ -54,10 +56,24 @@ struct Lying {
   std::vector<collision::ContactPoint> contacts;  // of the last step
   GetUpPlan plan;
 
-  explicit Lying(double height) : m(samples::make_person(height).value()), world({m}), plan(plan_of(m)) {
+  /// @param turn rotation of the body from the upright position @param bend rad: maximum random angle of its joints
+  explicit Lying(double height, const Mat3& turn = rotation_about({0, 1, 0}, pi / 2), double bend = 0, unsigned seed = 0)
+      : m(samples::make_person(height).value()), world({m}), plan(plan_of(m)) {
     const std::span<double> q = state.q(0);
     std::ranges::copy(plan.flat, q.begin());
-    const Quat r = to_quat(rotation_about({0, 1, 0}, pi / 2));
+    std::mt19937 random(seed);
+    std::vector<double> change(at(m->nv()));
+    for (const Link& link : m->links()) {
+      if (link.joint.type == JointType::floating) continue;
+      double from[6];
+      joint_displacement(link.joint, plan.flat.data() + link.q_index, from);
+      for (int k = 0; k < link.joint.nv(); ++k) {
+        const double to = from[k] + bend * (2.0 * static_cast<double>(random()) / 4294967295.0 - 1);
+        change[at(link.v_index + k)] = std::clamp(to, link.joint.dofs[at(k)].lower, link.joint.dofs[at(k)].upper) - from[k];
+      }
+    }
+    if (bend > 0) integrate(*m, plan.flat, change, 1, q);
+    const Quat r = to_quat(turn);
     q[0] = q[1] = 0;
     q[2] = 0.3 * height;
     q[3] = r.w, q[4] = r.x, q[5] = r.y, q[6] = r.z;
@@ -125,6 +141,29 @@ TEST(GetUp, RisesFromTheFrontAndStands) {
   EXPECT_GT(up, 0);
   EXPECT_LT(up, 6);
   EXPECT_GT(body.height(), 0.95 * stands);  // 1 s later
+}
+
+/// Bodies fall from low height with bent joints, and come to rest in a posture that follows from the physics alone.
+TEST(GetUp, RisesFromTheBackAndFromTheSides) {
+  const Mat3 front = rotation_about({0, 1, 0}, pi / 2);
+  const std::pair<double, Mat3> starts[] = {
+      {1.75, rotation_about({0, 1, 0}, -pi / 2)},      {1.75, rotation_about({1, 0, 0}, 1.4) * front},
+      {1.75, rotation_about({1, 0, 0}, -2.2) * front}, {1.1, rotation_about({0, 1, 0}, -1.4)},
+      {1.1, rotation_about({1, 0, 0}, 1.9) * front},   {2.2, rotation_about({1, 0, 0}, -2.5) * front}};
+  unsigned seed = 1;
+  for (const auto& [size, turn] : starts) {
+    Lying body(size, turn, 0.6, seed++);
+    const auto track = std::make_shared<const Still>(body.plan.way.back().q);
+    Drives drives(body);
+    const double stands = body.plan.way.back().centre.z;
+    double up = -1;
+    for (int i = 0; i < 3500 && up < 0 && !HasFatalFailure(); ++i) {
+      drives.step(body, track);
+      if (body.height() > 0.95 * stands) up = i * dt;
+    }
+    EXPECT_GT(up, 0) << "start " << seed - 1;
+    EXPECT_LT(up, 7) << "start " << seed - 1;
+  }
 }
 
 TEST(GetUp, SameBitsAfterRestore) {

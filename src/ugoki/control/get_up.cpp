@@ -14,18 +14,18 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-constexpr double on_front = 0.75;       // cosine of the angle between the body's front and the direction down: it lies on its front
-constexpr double turned_over = -0.2;    // the same: a climbing body has turned over
-constexpr double flatten_time = 0.45;   // s
-constexpr double stretch_time = 0.3;    // s: part of flatten_time in which the posture changes
-constexpr double low_share = 0.55;      // a body lower than this share of the height on the way has collapsed ...
-constexpr double low_time = 0.25;       // s: ... after this time
-constexpr double touch = 2e-3;          // m: only contact points closer than this bear load
-constexpr double friction_share = 0.7;  // of the friction coefficient
-constexpr double load_cost = 1e-4;      // cost of the squared contact forces relative to the squared missing force
+constexpr double turned_over =
+    -0.2;  // cosine of the angle between the body's front and the direction down: a climbing body has turned over
+constexpr double flatten_time = 0.45;                  // s
+constexpr double stretch_time = 0.3;                   // s: part of flatten_time in which the posture changes
+constexpr double low_share = 0.55;                     // a body lower than this share of the height on the way has collapsed ...
+constexpr double low_time = 0.25;                      // s: ... after this time
+constexpr double touch = 2e-3;                         // m: only contact points closer than this bear load
+constexpr double friction_share = 0.7;                 // of the friction coefficient
+constexpr double load_cost = 1e-4;                     // cost of the squared contact forces relative to the squared missing force
 constexpr double max_acceleration = 4, max_turn = 15;  // m/s^2, rad/s^2
-constexpr double sole_height = 0.02;                   // m: a sole lower than this stands
-constexpr double min_lead = 0.02;                      // m: distance of the divergent component of motion behind the balls of the feet
+constexpr double sole_height = 0.022;                  // of the height of the hips: a sole lower than this stands
+constexpr double min_lead = 0.022;                     // of the height of the hips: distance of the DCM behind the balls of the feet
 
 double smooth(double s) {
   s = std::clamp(s, 0.0, 1.0);
@@ -81,15 +81,15 @@ void GetUp::change_phase(std::span<const double> q, double dt, GetUpState& state
   };
   state.time += dt;
   switch (static_cast<GetUpPhase>(state.phase)) {
-    case GetUpPhase::begin: start(down > on_front ? GetUpPhase::climb : GetUpPhase::flatten, q, state); break;
+    case GetUpPhase::begin: start(down > options_.on_front ? GetUpPhase::climb : GetUpPhase::flatten, q, state); break;
     case GetUpPhase::flatten:
       if (state.time < flatten_time) break;
       // To the side on which the body already lies; after a failed try to the other side.
       state.side = (root.column(1).z < 0) != (state.tries % 2 == 1) ? 0 : 1;
-      start(down > on_front ? GetUpPhase::climb : GetUpPhase::roll, q, state);
+      start(down > options_.on_front ? GetUpPhase::climb : GetUpPhase::roll, q, state);
       break;
     case GetUpPhase::roll:
-      if (down > on_front)
+      if (down > options_.on_front)
         start(GetUpPhase::climb, q, state);
       else if (state.time > options_.roll_time)
         fail();
@@ -136,7 +136,7 @@ const GetUpPosture* GetUp::find_goal(double dt, GetUpState& state) {
   const int k = state.way < 0 ? 0 : std::min(static_cast<int>(state.way) + 1, last);
   double rate = 1;
   if (state.way > plan_->stage_end[GetUpPlan::gather])
-    rate = std::clamp((options_.slow_to - std::fabs(state.miss)) / (options_.slow_to - options_.slow_from), 0.1, 1.0);
+    rate = std::clamp((options_.slow_to - std::fabs(state.miss) / body_->hip_height) / (options_.slow_to - options_.slow_from), 0.1, 1.0);
   state.way = std::min<double>(last, state.way + dt / way[at(k)].time * rate);
   place(state.way, next_);
   return state.way < 0 ? nullptr : &way[at(k)];
@@ -162,11 +162,11 @@ bool GetUp::is_ready(std::span<const double> q, std::span<const double> v, const
   dynamics::update_kinematics(*mechanism_, q, v, ws_);
   for (int side = 0; side < 2; ++side) {
     const Effector& foot = body_->place(side, Place::foot);
-    if ((ws_.X_WB[at(foot.link)] * foot.point).z - options_.ground > sole_height) return false;
+    if ((ws_.X_WB[at(foot.link)] * foot.point).z - options_.ground > sole_height * body_->hip_height) return false;
   }
   const dynamics::Centroidal c = dynamics::calc_centroidal(*mechanism_, ws_);
   const double w0 = std::sqrt(norm(options_.gravity) / std::max(0.05, c.centre.z - options_.ground));
-  return dot(ahead(), c.centre + c.velocity / w0 - balls()) < -min_lead;
+  return dot(ahead(), c.centre + c.velocity / w0 - balls()) < -min_lead * body_->hip_height;
 }
 
 void GetUp::add_support(std::span<const collision::ContactPoint> contacts, int system, const GetUpPosture* goal, GetUpState& state,
@@ -196,6 +196,10 @@ void GetUp::add_support(std::span<const collision::ContactPoint> contacts, int s
     state.miss = dot(x, wanted - c.centre);
     acceleration = limited((wanted - c.centre) * options_.centre_gain - c.velocity * options_.centre_damping, max_acceleration);
     turn = limited(log_map(to_quat(heading * goal->root * ws_.X_WB[0].R.transposed())) * options_.turn_gain, max_turn);
+  }
+  if (static_cast<GetUpPhase>(state.phase) == GetUpPhase::roll) {  // the supports keep the speed of the roll about the trunk's axis
+    const Vec3 axis = (ws_.X_WB[0].R * body_->rest.transposed()).column(2) * (state.side == 0 ? 1.0 : -1.0), spin = c.inertia * axis;
+    turn = axis * std::clamp(options_.roll_gain * (options_.roll_speed - dot(c.momentum.w, axis) / dot(spin, axis)), -max_turn, max_turn);
   }
   Vec6 wrench{c.inertia * turn, (acceleration - options_.gravity) * m.mass()};
   if (goal) wrench.w -= c.momentum.w * options_.turn_damping;

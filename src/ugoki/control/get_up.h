@@ -26,15 +26,18 @@
 namespace ugoki::control {
 
 struct GetUpOptions {
-  double strength = 0.6;                         ///< share of the torque limits that the controller uses
-  double bend = 0.2;                             ///< rad: error of a joint at which its servo uses this share
-  double damping = 0.05;                         ///< s: damping of a joint divided by its stiffness
-  double centre_gain = 40, centre_damping = 12;  ///< 1/s^2, 1/s: of the error of the centre of mass
-  double turn_gain = 25, turn_damping = 8;       ///< 1/s^2, 1/s: of the error of the pelvis's orientation, and of the angular momentum
-  double slow_from = 0.06, slow_to = 0.2;        ///< m: errors of the centre of mass at which the way slows down, and nearly stops
+  double strength = 0.6;                             ///< share of the torque limits that the controller uses
+  double bend = 0.123;                               ///< rad: error of a joint at which its servo uses this share
+  double damping = 0.0573;                           ///< s: damping of a joint divided by its stiffness
+  double centre_gain = 83.3, centre_damping = 8.67;  ///< 1/s^2, 1/s: of the error of the centre of mass
+  double turn_gain = 25.5, turn_damping = 6.61;      ///< 1/s^2, 1/s: of the error of the pelvis's orientation, and of the angular momentum
+  /// Shares of the height of the hips: errors of the centre of mass at which the way slows down, and nearly stops.
+  double slow_from = 0.0852, slow_to = 0.311;
+  double roll_speed = -0.33, roll_gain = 12.05;  ///< rad/s, 1/s: wanted speed of a roll, and gain of its error
+  double on_front = 0.20;                        ///< a body whose front points downwards by more than this cosine lies on its front
   double roll_time = 1.5;                        ///< s: a longer roll has failed
   double climb_time = 6.5;                       ///< s: a longer climb has failed
-  std::uint64_t tries = 3;                       ///< failed tries after which the body rests
+  std::uint64_t tries = 6;                       ///< failed tries after which the body rests
   double ground = 0;                             ///< m: height of the ground
   Vec3 gravity{0, 0, -9.81};                     ///< m/s^2, world
 };

@@ -76,7 +76,8 @@ class Planner {
 
   GetUpPlan run() {
     const double arm = b_.arm_length, thigh = b_.thigh_length, knee_x = ankle_height_ + shank_;
-    // From standing backwards to lying, so that each posture is found from its neighbour.
+    // From standing backwards to lying, so that each posture is found from its neighbour. The numbers were found by the strategy of
+    // usual_roll(): least time until persons of several heights stand.
     Goals stand;
     stand.hip = 1;
     stand.centre_weight = 4;
@@ -88,67 +89,67 @@ class Planner {
     stand.hand_y = hip_half_ + 0.3 * arm;
     stand.time = 0.8;
     Goals squat = stand;
-    squat.hip_z = ankle_height_ + 0.9 * shank_;
-    squat.hip_x = -ankle_forward_ + 0.5 * shank_ - 0.95 * thigh;
+    squat.hip_z = ankle_height_ + 0.97 * shank_;
+    squat.hip_x = -ankle_forward_ + 0.58 * shank_ - 1.11 * thigh;
     squat.hip = 0.3;
-    squat.pelvis = 0.9;
-    squat.chest = 1.1;
+    squat.pelvis = 0.99;
+    squat.chest = 1.22;
     squat.centre = -0.45 * sole_length_;
-    squat.hand_x = 0.5 * arm;
-    squat.hand_z = 0.15 * arm;
-    squat.hand_y = shoulder_half_ + 0.1 * arm;
-    squat.time = 0.3;
+    squat.hand_x = 0.46 * arm;
+    squat.hand_z = -0.01 * arm;
+    squat.hand_y = shoulder_half_ + 0.27 * arm;
+    squat.time = 0.294;
     Goals rock = squat;
-    rock.heel = 0.0;
-    rock.centre = -0.15 * sole_length_;
-    rock.hand_x = 0.75 * arm;
+    rock.pelvis = 0.76;
+    rock.chest = 1.82;
+    rock.heel = -0.14;
+    rock.centre = -0.08 * sole_length_;
+    rock.hand_x = 0.85 * arm;
     rock.hand_z = 0;
     rock.hip = -1;
-    rock.time = 0.8;
+    rock.time = 0.447;
     Goals gather = rock;
-    gather.heel = 1.45;
+    gather.heel = 1.31;
     gather.knee = 1;
-    gather.pelvis = 0.9;
-    gather.chest = 1.0;
+    gather.pelvis = 0.97;
+    gather.chest = 0.99;
     gather.centre_weight = 0.1;
-    gather.centre = 0.7 * knee_x;
+    gather.centre = 0.78 * knee_x;
     gather.hip = 1;
-    gather.hip_x = ankle_height_ + 0.1 * shank_;
-    gather.hip_z = ankle_forward_ + 0.35 * shank_;
+    gather.hip_x = ankle_height_ - 0.10 * shank_;
+    gather.hip_z = ankle_forward_ + 0.30 * shank_;
     gather.hand_x = knee_x + 0.25 * arm;
-    gather.time = 0.4;
+    gather.time = 0.164;
     Goals kneel = gather;
-    kneel.hand_x = knee_x + 0.7 * arm;
+    kneel.hand_x = knee_x + 0.73 * arm;
     kneel.hand_z = 0.02;
-    kneel.pelvis = 1.3;
-    kneel.chest = 1.4;
+    kneel.pelvis = 1.32;
+    kneel.chest = 1.45;
     kneel.centre_weight = -1;
-    kneel.time = 0.5;
+    kneel.time = 0.405;
     Goals fours = kneel;
-    fours.hip_x = knee_x;
-    fours.hip_z = thigh;
-    fours.pelvis = 1.4;
-    fours.chest = 1.5;
-    fours.hand_x = knee_x + 0.8 * trunk_;
+    fours.hip_x = knee_x - 0.15 * thigh;
+    fours.hip_z = 0.82 * thigh;
+    fours.pelvis = 1.41;
+    fours.chest = 1.60;
+    fours.hand_x = knee_x + 0.66 * trunk_;
     fours.hand_z = 0;
-    fours.time = 0.7;
+    fours.time = 0.178;
     Goals prone = fours;
     prone.hip_x = knee_x + thigh;
-    prone.hip_z = 0.25 * thigh;
+    prone.hip_z = 0.30 * thigh;
     prone.pelvis = 1.57;
     prone.chest = 1.57;
-    prone.hand_x = knee_x + 0.95 * thigh + 0.65 * trunk_;
     prone.hand_z = 0;
-    prone.hand_y = shoulder_half_ + 0.3 * arm;
-    prone.time = 0.6;
     Goals spread = prone;
-    spread.hand_x = knee_x + thigh + trunk_ + 0.35 * arm;
-    spread.hand_y = shoulder_half_ + 0.6 * arm;
+    spread.hand_x = knee_x + thigh + trunk_ + 0.43 * arm;
+    spread.hand_y = shoulder_half_ + 0.66 * arm;
     spread.hand_z = 0.02;
-    spread.time = 0.4;
-    prone.time = 0.2;
-    prone.hand_x = knee_x + thigh + trunk_ + 0.05 * arm;
-    prone.hand_y = shoulder_half_ + 0.4 * arm;
+    spread.time = 0.462;
+    prone.time = 0.131;
+    prone.hand_x = knee_x + thigh + trunk_ - 0.14 * arm;
+    prone.hand_y = shoulder_half_ + 0.90 * arm;
+    stand.time = 0.484;
     const std::array<Goals, GetUpPlan::stage_count> stages{spread, prone, fours, kneel, gather, rock, squat, stand};
     const std::array<int, GetUpPlan::stage_count> parts{1, 2, 8, 4, 4, 8, 4, 8};
     GetUpPlan plan;
@@ -267,23 +268,31 @@ class Planner {
 
 std::array<RollGoals, roll_parts> usual_roll() {
   std::array<RollGoals, roll_parts> r;
-  // Found by random search for a person of 1.75 m, from five lying poses; lengths are shares of the body's own.
-  r[0] = {{2.42, -0.48, -1.79},
-          {0.57, -0.68, -2.21},
-          {-1.11, 2.12, 0.23},
-          {1.17, -0.14, -2.21},
-          {-0.97, 1.89, 1.00},
-          {0.16, 1.87, 0.81},
-          0.81,
-          0.15};
-  r[1] = {{0.57, 0.33, -1.55},
-          {-0.10, 2.93, -1.37},
-          {0.68, 1.34, -0.35},
-          {-2.21, -0.88, -0.63},
-          {-0.18, 3.34, -0.03},
-          {-2.22, -1.50, 0.49},
-          0.29,
-          0.39};
+  // Found by a separable evolution strategy (CMA-ES, Ros and Hansen 2008) for persons of four heights, each in five lying postures.
+  r[0] = {{2.77, -0.56, 0.08},
+          {1.27, 0.98, -0.84},
+          {1.04, -1.92, 0.26},
+          {1.56, -0.42, -2.21},
+          {1.85, 0.69, -1.05},
+          {-0.63, 0.07, 0.19},
+          0.80,
+          0.100};
+  r[1] = {{0.48, 0.76, -2.07},
+          {-3.19, 0.97, -0.31},
+          {-1.25, -0.08, -2.59},
+          {-0.06, 1.19, -2.12},
+          {-1.03, 1.75, 2.28},
+          {-0.25, -2.43, 0.78},
+          0.80,
+          0.100};
+  r[2] = {{0.35, 1.18, -1.26},
+          {0.42, -1.14, -1.78},
+          {-0.25, -0.60, -0.56},
+          {-2.54, 1.81, -2.40},
+          {0.36, 0.18, 1.85},
+          {-0.33, -1.10, 0.77},
+          0.20,
+          0.325};
   return r;
 }
 

@@ -38,7 +38,7 @@ struct RollGoals {
   double twist = 0;                               ///< rad: turn of the chest against the pelvis
   double time = 0.4;                              ///< s
 };
-inline constexpr int roll_parts = 2;
+inline constexpr int roll_parts = 3;
 [[nodiscard]] std::array<RollGoals, roll_parts> usual_roll();
 
 /// Postures of one body.

@@ -328,7 +328,7 @@ void add_balance(circuit::Library& library) {
   c.doc =
       "Computes joint torques that make a character follow its track on its own feet, without any external force on the root. It plans "
       "steps: the time and the place where a foot lands follow from the balance of the character. A character that can no longer keep its "
-      "balance falls with its hands first, and gets up again if the parameter `get up` is 1. A character without a floating root or "
+      "balance falls with its hands first, and gets up again. A character without a floating root or "
       "without feet follows its track with the torques of its joints alone.";
   c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
               input_pin("contacts", PinTypeId::contacts, "", "Contact points; those of the feet with the ground support the character."),
@@ -359,9 +359,9 @@ void add_balance(circuit::Library& library) {
                        "Growth of the error of balance that a step expects until its foot lands. More makes steps wider."),
       number_parameter("swing", 0, 0, 90, "deg",
                        "Amplitude to which the character swings with its legs while it hangs from its grips; 0: it only hangs."),
-      number_parameter("get up", 0, 0, 1, "",
-                       "1: a character that lies gets up and goes on with its track. Adults that lie on their front succeed; many "
-                       "other bodies and poses fail, and stay on the ground after three tries.")};
+      number_parameter("get up", 1, 0, 1, "",
+                       "1: a character that lies gets up and goes on with its track. Bodies without two arms and two legs stay on the "
+                       "ground, and so does a character after six failed tries. 0: every character stays on the ground.")};
   c.configure = [](Setup& s) {
     const Character* character = character_of(s);
     if (!character) return;
