@@ -334,6 +334,46 @@ TEST(FourLegs, TheJointOfTheHindLimbsBecomesTheRootIfTheHeadIsAtTheRoot) {
   EXPECT_EQ(s.joints[static_cast<std::size_t>(c.head)].name, "j2") << "the last joint that carries a bone";
 }
 
+// An elephant of one bone for each leg. The trunk and the tail reach down to the floor; the trunk is longer than the legs.
+TEST(FourLegs, ATrunkThatHangsToTheFloorIsNoLimb) {
+  std::vector<Bone> b = {{"body", -1, {0, 0, 1.8}, {}},
+                         {"trunk.01", 0, {1.9, 0, -0.15}, {}},
+                         {"trunk.02", 1, {0, 0, -0.5}, {}},
+                         {"trunk.03", 2, {0, 0, -0.5}, {0, 0, -0.6}},
+                         {"tail.01", 0, {-1.2, 0, -0.4}, {-0.3, 0, -0.3}}};
+  for (const double fore : {1.0, -1.0})
+    for (const double side : {1.0, -1.0})
+      b.push_back(
+          {std::string("leg.") + (fore > 0 ? "F" : "B") + (side > 0 ? ".L" : ".R"), 0, {0.72 * fore, 0.42 * side, -0.87}, {0, 0, -0.9}});
+  for (const double side : {1.0, -1.0}) b.push_back({side > 0 ? "ear.L" : "ear.R", 0, {1.3, 0.43 * side, 0.6}, {-0.9, 0.9 * side, 0}});
+  std::vector<MeasuredMotion> motions = {moving(b)};
+  std::vector<std::string> report;
+  const body::Character c = arrange(motions, report, nullptr, true);
+  ASSERT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not;
+  EXPECT_NEAR(c.trunk_length, 1.44, 0.05);
+  const auto name = [&](int joint) { return motions[0].skeleton.joints[static_cast<std::size_t>(joint)].name; };
+  EXPECT_EQ(name(c.legs[0].proximal), "leg.B.L");
+  EXPECT_EQ(name(c.arms[1].proximal), "leg.F.R");
+}
+
+// Files of some modellers have a transform at the origin above each limb. A sheep with short legs of two bones.
+TEST(FourLegs, LimbsBeginBelowTransformsAtOnePlace) {
+  std::vector<Bone> b = {{"sheep", -1, {0, 0, 0.9}, {}}, {"transform1", 0, {0, 0, 0.05}, {}}, {"Head", 1, {0.6, 0, 0.2}, {0.2, 0, 0}}};
+  for (const double fore : {1.0, -1.0})
+    for (const double side : {1.0, -1.0}) {
+      const std::string limb = std::string(side > 0 ? "Left_" : "Right_") + (fore > 0 ? "Front_" : "Back_");
+      const int first = static_cast<int>(b.size());
+      b.push_back({"transform" + std::to_string(first), 0, {}, {}});
+      b.push_back({limb + "Leg", first, {0.4 * fore, 0.2 * side, -0.1}, {}});
+      b.push_back({limb + "Knee", first + 1, {0, 0, -0.4}, {0, 0, -0.4}});
+    }
+  std::vector<MeasuredMotion> motions = {moving(b)};
+  std::vector<std::string> report;
+  const body::Character c = arrange(motions, report);
+  ASSERT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not << (c.decisions.empty() ? "" : c.decisions.back());
+  EXPECT_NEAR(c.trunk_length, 0.8, 0.05);
+}
+
 // All limbs have one joint. The tail is named in another language; one paw has a second joint without an end at the same place.
 TEST(FourLegs, APawOfTwoJointsAtOnePlaceIsOneLimb) {
   std::vector<Bone> b = {{"Armature", -1, {}, {}},

@@ -35,7 +35,8 @@ class FourLegs {
     if (samples_.empty() || s_.joints.size() < 5) return {};
     for (const auto& X : samples_) extent_ = std::max(extent_, extent_of(X));
     find_feet();
-    find_limbs();
+    find_limbs(0.12);
+    if (tops_.size() < 4) find_limbs(0.05);  // a fat animal
     if (tops_.size() < 4 || !find_pairs()) return {};
     find_joints();
     if (!front_named_ && chest_ >= 0 && hips_ != chest_ && is_below(s_, hips_, chest_)) {
@@ -161,8 +162,10 @@ class FourLegs {
   }
 
   /// Finds the first joint of the limb of each foot: the highest joint above it that carries nothing else of size.
-  void find_limbs() {
-    constexpr double same_foot = 0.08, small = 0.1, shortest = 0.12;
+  /// @param shortest share of the extent; shorter limbs are left out
+  void find_limbs(double shortest) {
+    tops_.clear();
+    constexpr double same_foot = 0.08, small = 0.1;
     // A foot can have two joints at one place (a control and a bone), of which one has no end.
     const auto is_same_foot = [&](int other, int foot, const Vec3& own) {
       const bool at_one_place = norm(samples_[0][at(other)].p - samples_[0][at(foot)].p) < 0.25 * same_foot * extent_;
@@ -191,9 +194,29 @@ class FourLegs {
     }
     const auto length = [&](const std::array<int, 2>& limb) { return norm(tip(samples_[0], limb[1]) - samples_[0][at(limb[0])].p); };
     std::ranges::sort(found, [&](const auto& a, const auto& b) { return length(a) != length(b) ? length(a) > length(b) : a < b; });
+    // A trunk or tail that hangs down to the floor has no side.
+    const auto has_side = [&](const std::array<int, 2>& limb) { return side_of(limb[1]) != 0; };
+    if (std::ranges::count_if(found, has_side) >= 4) std::erase_if(found, [&](const auto& limb) { return !has_side(limb); });
     if (found.size() > 4) found.resize(4);
     shorten(found);
+    leave_common_place(found);
     for (const auto& limb : found) tops_.push_back(limb[0]);
+  }
+
+  /// Lets the limbs begin at their second joints if the first joints of all are at one place (transforms without a bone).
+  /// @param limbs first joint and foot of each
+  void leave_common_place(std::vector<std::array<int, 2>>& limbs) const {
+    constexpr double same_place = 0.02;
+    const auto& X = samples_[0];
+    if (limbs.size() != 4 || std::ranges::any_of(limbs, [&](const auto& limb) {
+          return limb[0] == limb[1] || norm(X[at(limb[0])].p - X[at(limbs[0][0])].p) > same_place * extent_;
+        }))
+      return;
+    for (auto& [top, foot] : limbs) {
+      int next = foot;
+      while (parent(next) != top) next = parent(next);
+      top = next;
+    }
   }
 
   /// Takes the last joint of the spine from a limb that is its only branch: a limb with more joints than two others begins further down.

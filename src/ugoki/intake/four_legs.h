@@ -16,6 +16,8 @@ namespace ugoki::intake {
 ///   - if both pairs have the same joint, a joint for the chest is added between the fore limbs, which carries them and whatever is in
 ///     front of them;
 ///   - if nothing but limbs is attached to the chest, a neck and a head that do not turn are added in front of it.
+/// A trunk or tail that reaches the floor has no side by name, and is no limb if four others have one. Limbs whose first joints are all at
+/// one place begin at their second joints.
 /// Names decide which limbs form a pair and which are in front, as far as they state it; otherwise symmetry and the head or tail decide.
 /// World poses of the file's joints do not change.
 /// @param motions all on the same skeleton
