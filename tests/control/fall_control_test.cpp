@@ -159,6 +159,32 @@ TEST(FallControl, BracesBeforeItFallsAndRelaxes) {
   EXPECT_EQ(wait({}, 1), FallMode::fall);  // a fall does not end by itself
 }
 
+/// On a platform of 1 m, half of the body's height is a fall; above the floor of the world it would be three quarters of its height.
+TEST(FallControl, MeasuresHeightsFromTheGroundUnderTheBody) {
+  const MechanismPtr m = samples::make_person(1.7).value();
+  LinkSpec box;
+  box.name = "platform";
+  box.joint.type = JointType::fixed;
+  box.shapes.push_back(Shape::box({2, 2, 0.5}, {Mat3::identity(), {0, 0, 0.5}}));
+  MechanismSpec spec;
+  spec.name = "platform";
+  spec.links.push_back(std::move(box));
+  const std::vector<MechanismPtr> systems{m, Mechanism::make(std::move(spec)).value()};
+  std::vector<double> upright = m->neutral(), v(at(m->nv()));
+  std::vector<Pose> X(at(m->link_count()));
+  calc_poses(*m, upright, X);
+  upright[2] += 1 + 0.95 - centre_of_mass(*m, X).z;
+  for (const double x : {0.0, 5.0}) {  // on the platform, beside it
+    std::vector<double> low = upright;
+    upright[0] = low[0] = x;
+    low[2] -= 0.475;
+    FallControl control(m, {}, GroundMap(systems, 0, 0));
+    FallState state;
+    for (int i = 0; i < 100; ++i) control.check(low, v, upright, {}, 0.002, state);
+    EXPECT_EQ(static_cast<FallMode>(state.mode), x == 0 ? FallMode::fall : FallMode::brace);
+  }
+}
+
 TEST(FallControl, SameBitsAfterRestore) {
   Topple a(1.7, 0.4), b(1.7, 0.4);
   for (int i = 0; i < 200; ++i) a.step();

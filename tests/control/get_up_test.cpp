@@ -47,6 +47,23 @@ GetUpPlan plan_of(const MechanismPtr& m) {
   return *plan_get_up(m, *body);
 }
 
+/// A fixed box of 40 m x 40 m whose top contains the point (0, 0, height). @param slope rad: the top rises along x
+MechanismPtr make_ground(double height, double slope) {
+  const Mat3 R = rotation_about({0, 1, 0}, -slope);
+  LinkSpec link;
+  link.name = "ground";
+  link.joint.type = JointType::fixed;
+  link.shapes.push_back(Shape::box({20, 20, 5}, {R, Vec3{0, 0, height} - R.column(2) * 5.0}));
+  MechanismSpec spec;
+  spec.name = "ground";
+  spec.links.push_back(std::move(link));
+  return Mechanism::make(std::move(spec)).value();
+}
+
+std::vector<MechanismPtr> systems_of(const MechanismPtr& person, const MechanismPtr& ground) {
+  return ground ? std::vector{person, ground} : std::vector{person};
+}
+
 /// A person who lies on the front, at rest.
 struct Lying {
   MechanismPtr m;
@@ -57,8 +74,11 @@ struct Lying {
   GetUpPlan plan;
 
   /// @param turn rotation of the body from the upright position @param bend rad: maximum random angle of its joints
-  explicit Lying(double height, const Mat3& turn = rotation_about({0, 1, 0}, pi / 2), double bend = 0, unsigned seed = 0)
-      : m(samples::make_person(height).value()), world({m}), plan(plan_of(m)) {
+  explicit Lying(double height, const Mat3& turn = rotation_about({0, 1, 0}, pi / 2), double bend = 0, unsigned seed = 0,
+                 const MechanismPtr& ground = nullptr, double lift = 0)
+      : m(samples::make_person(height).value()),
+        world(systems_of(m, ground), {.stepper = {}, .ground = {.height = ground ? -20.0 : 0.0}}),
+        plan(plan_of(m)) {
     const std::span<double> q = state.q(0);
     std::ranges::copy(plan.flat, q.begin());
     std::mt19937 random(seed);
@@ -75,7 +95,7 @@ struct Lying {
     if (bend > 0) integrate(*m, plan.flat, change, 1, q);
     const Quat r = to_quat(turn);
     q[0] = q[1] = 0;
-    q[2] = 0.3 * height;
+    q[2] = 0.3 * height + lift;
     q[3] = r.w, q[4] = r.x, q[5] = r.y, q[6] = r.z;
     stepper.load(state);
     for (int i = 0; i < 600; ++i) step({});
@@ -102,9 +122,11 @@ struct Drives {
   BalanceState balance_memory;
   std::vector<double> tau, gain, velocity;
 
-  explicit Drives(const Lying& body) : fall(body.m, {.get_up = true}), tau(at(body.m->nv())), gain(tau.size()), velocity(tau.size()) {
+  explicit Drives(const Lying& body)
+      : fall(body.m, {.get_up = true}, map_of(body)), tau(at(body.m->nv())), gain(tau.size()), velocity(tau.size()) {
     memory.mode = static_cast<std::uint64_t>(FallMode::lie);
   }
+  static GroundMap map_of(const Lying& body) { return {body.world.systems(), 0, body.world.options().ground.height}; }
   void step(Lying& body, const std::shared_ptr<const ReferenceMotion>& track) {
     const std::span<const double> q = body.state.q(0), v = body.state.v(0);
     if (balance) {
@@ -115,12 +137,17 @@ struct Drives {
       fall.step(q, v, body.contacts, 0, dt, memory, tau, gain, velocity);
       if (memory.mode == static_cast<std::uint64_t>(FallMode::ready)) {
         way = std::make_shared<const ReturnMotion>(body.m, track, *fall.plan(), 5.0, 0.0);
-        balance.emplace(body.m, way, BalanceOptions{});
+        balance.emplace(body.m, way, BalanceOptions{}, 0.0, map_of(body));
         balance_memory.time = way->begin();
         const Placement place = way->placement_at(q, balance->feet());
         balance_memory.x = place.x;
         balance_memory.y = place.y;
         balance_memory.heading = place.heading;
+        const GroundMap::Point ground = map_of(body).below({q[0], q[1], q[2]});
+        balance_memory.z = ground.height;
+        for (int k = 0; k < 2; ++k) balance_memory.tilt[k] = -ground.normal[k] / ground.normal.z;
+        balance_memory.ground[0] = q[0];
+        balance_memory.ground[1] = q[1];
       }
     }
     for (int i = 0; i < 6; ++i) ASSERT_EQ(tau[at(i)] + gain[at(i)], 0) << "a force on the root";
@@ -163,6 +190,25 @@ TEST(GetUp, RisesFromTheBackAndFromTheSides) {
     }
     EXPECT_GT(up, 0) << "start " << seed - 1;
     EXPECT_LT(up, 7) << "start " << seed - 1;
+  }
+}
+
+/// The ground under the body counts, not the floor of the world, which is 20 m lower here.
+TEST(GetUp, RisesOnAPlatformAndOnASlope) {
+  for (const auto& [height, slope] : {std::pair{0.8, 0.0}, {0.0, 0.07}, {0.0, -0.1}}) {
+    Lying body(1.75, rotation_about({0, 1, 0}, pi / 2), 0, 0, make_ground(height, slope), height);
+    const auto track = std::make_shared<const Still>(body.plan.way.back().q);
+    Drives drives(body);
+    const double stands = body.plan.way.back().centre.z;
+    double up = -1;
+    for (int i = 0; i < 4000 && !HasFatalFailure(); ++i) {
+      drives.step(body, track);
+      const double ground = height + std::tan(slope) * body.state.q(0)[0];
+      if (up < 0 && body.height() - ground > 0.95 * stands) up = i * dt;
+      if (i == 3999) EXPECT_GT(body.height() - ground, 0.9 * stands) << height << ", slope " << slope << ", stood up after " << up << " s";
+    }
+    EXPECT_GT(up, 0) << height << ", slope " << slope;
+    EXPECT_LT(up, 6) << height << ", slope " << slope;
   }
 }
 

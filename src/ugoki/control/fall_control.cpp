@@ -26,8 +26,13 @@ Mat3 root_turn(const Mechanism& m, std::span<const double> q) {
 
 }  // namespace
 
-FallControl::FallControl(MechanismPtr mechanism, const FallOptions& options)
-    : mechanism_(std::move(mechanism)), options_(options), plan_(body_plan_of(*mechanism_)), ws_(*mechanism_), finder_(mechanism_) {
+FallControl::FallControl(MechanismPtr mechanism, const FallOptions& options, GroundMap ground)
+    : mechanism_(std::move(mechanism)),
+      options_(options),
+      ground_(std::make_shared<const GroundMap>(std::move(ground))),
+      plan_(body_plan_of(*mechanism_)),
+      ws_(*mechanism_),
+      finder_(mechanism_) {
   const Mechanism& m = *mechanism_;
   UGOKI_CHECK(m.link_count() > 0 && m.link(0).joint.type == JointType::floating && at(m.nq()) <= FallState::max_coordinates);
   for (std::vector<double>* x : {&zero_, &error_, &gradient_, &tau_, &gain_, &velocity_}) x->resize(at(m.nv()));
@@ -61,9 +66,10 @@ double FallControl::check(std::span<const double> q, std::span<const double> v, 
   const Mechanism& m = *mechanism_;
   if (state.mode > static_cast<std::uint64_t>(FallMode::brace)) return 0;
   dynamics::update_kinematics(m, q_ref, zero_, ws_);
-  const double wanted = dynamics::calc_centroidal(m, ws_).centre.z - options_.ground;
+  const Vec3 planned = dynamics::calc_centroidal(m, ws_).centre;
   dynamics::update_kinematics(m, q, v, ws_);
-  const double height = dynamics::calc_centroidal(m, ws_).centre.z - options_.ground;
+  const Vec3 centre = dynamics::calc_centroidal(m, ws_).centre;
+  const double ground = ground_->below(centre).height, height = centre.z - ground, wanted = std::max(0.05, planned.z - ground);
   const double tilt = acos(std::clamp(dot(root_turn(m, q).row(2), root_turn(m, q_ref).row(2)), -1.0, 1.0));
   const auto exceeds = [&](const FallLimits& limits) {
     return tilt > limits.tilt || height < limits.height * wanted || norm(dcm_error) > limits.reach * wanted;
@@ -104,7 +110,7 @@ void FallControl::reach_for_the_ground(std::span<const double> q, double dt, Fal
     const Vec3 shoulder = ws_.X_WB[at(plan_->upper_arm[at(side)])].p, outward = left * (side == 0 ? 1.0 : -1.0);
     const Vec3 reach = normalized(direction * towards + Vec3{0, 0, -1} + outward * 0.3);
     Vec3 target = shoulder + reach * (arm_reach * plan_->arm_length);
-    target.z = std::max(target.z, options_.ground + hand.radius);
+    target.z = std::max(target.z, ground_->below({target.x, target.y, chest.z}).height + hand.radius);
     finder_.add_point(hand.link, hand.point, target, {1, 1, 1});
   }
   // The head leans away from the impact: chin to chest in a fall backwards, back of the head to the neck in a fall forwards.
@@ -135,9 +141,8 @@ void FallControl::brace(std::span<const double> q, std::span<const double> v, do
 const GetUpPlan* FallControl::make_plan() {
   if (!get_up_) {
     GetUpOptions options;
-    options.ground = options_.ground;
     options.gravity = options_.gravity;
-    get_up_ = std::make_unique<GetUp>(mechanism_, options);
+    get_up_ = std::make_unique<GetUp>(mechanism_, options, ground_);
   }
   return plan();
 }

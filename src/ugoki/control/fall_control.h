@@ -23,6 +23,7 @@
 
 #include "ugoki/control/body_plan.h"
 #include "ugoki/control/get_up.h"
+#include "ugoki/control/ground_map.h"
 #include "ugoki/control/pose_finder.h"
 #include "ugoki/control/posture_servo.h"
 
@@ -47,7 +48,6 @@ struct FallOptions {
   double lie_damping = 3;     ///< rad/s: natural frequency whose critical damping acts on the joints of a lying body
   double lie_time = 0.2;      ///< s: the body lies for this time before it gets up
   bool get_up = false;        ///< the body gets up after it has come to rest
-  double ground = 0;          ///< m: height of the ground
   Vec3 gravity{0, 0, -9.81};  ///< m/s^2, world
 };
 
@@ -67,7 +67,8 @@ struct FallState {
 
 class FallControl {
  public:
-  FallControl(MechanismPtr mechanism, const FallOptions& options);
+  /// @param ground the ground on which the body falls and lies: a level floor, slopes, platforms
+  FallControl(MechanismPtr mechanism, const FallOptions& options, GroundMap ground = GroundMap());
 
   /// Changes between the modes track, brace and fall. Call it in each tick of the modes track and brace.
   /// @param q, v present state [nq], [nv] @param q_ref [nq] reference at the place of the body @param dcm_error m: DCM minus its reference
@@ -93,6 +94,7 @@ class FallControl {
 
   MechanismPtr mechanism_;
   FallOptions options_;
+  std::shared_ptr<const GroundMap> ground_;
   std::optional<BodyPlan> plan_;
   dynamics::Workspace ws_;
   PoseFinder finder_;

@@ -39,8 +39,8 @@ Vec3 limited(const Vec3& x, double max_size) {
 
 }  // namespace
 
-GetUp::GetUp(MechanismPtr mechanism, const GetUpOptions& options)
-    : mechanism_(std::move(mechanism)), options_(options), body_(body_plan_of(*mechanism_)), ws_(*mechanism_) {
+GetUp::GetUp(MechanismPtr mechanism, const GetUpOptions& options, std::shared_ptr<const GroundMap> ground)
+    : mechanism_(std::move(mechanism)), options_(options), ground_(std::move(ground)), body_(body_plan_of(*mechanism_)), ws_(*mechanism_) {
   const Mechanism& m = *mechanism_;
   for (std::vector<double>* x : {&goal_, &next_}) x->resize(at(m.nq()));
   for (std::vector<double>* x : {&error_, &rate_, &gradient_}) x->resize(at(m.nv()));
@@ -95,7 +95,8 @@ void GetUp::change_phase(std::span<const double> q, double dt, GetUpState& state
         fail();
       break;
     case GetUpPhase::climb: {
-      const double height = dynamics::calc_centroidal(*mechanism_, ws_).centre.z - options_.ground;
+      const Vec3 centre = dynamics::calc_centroidal(*mechanism_, ws_).centre;
+      const double height = centre.z - ground_at(centre);
       const double planned = plan_->way[at(std::max(0, static_cast<int>(state.way)))].centre.z;
       state.low = state.way > plan_->stage_end[GetUpPlan::kneel] && height < low_share * planned ? state.low + dt : 0;
       const bool over = down < turned_over && state.way < plan_->stage_end[GetUpPlan::gather];
@@ -162,10 +163,11 @@ bool GetUp::is_ready(std::span<const double> q, std::span<const double> v, const
   dynamics::update_kinematics(*mechanism_, q, v, ws_);
   for (int side = 0; side < 2; ++side) {
     const Effector& foot = body_->place(side, Place::foot);
-    if ((ws_.X_WB[at(foot.link)] * foot.point).z - options_.ground > sole_height * body_->hip_height) return false;
+    const Vec3 sole = ws_.X_WB[at(foot.link)] * foot.point;
+    if (sole.z - ground_at(sole) > sole_height * body_->hip_height) return false;
   }
   const dynamics::Centroidal c = dynamics::calc_centroidal(*mechanism_, ws_);
-  const double w0 = std::sqrt(norm(options_.gravity) / std::max(0.05, c.centre.z - options_.ground));
+  const double w0 = std::sqrt(norm(options_.gravity) / std::max(0.05, c.centre.z - ground_at(c.centre)));
   return dot(ahead(), c.centre + c.velocity / w0 - balls()) < -min_lead * body_->hip_height;
 }
 
@@ -192,7 +194,7 @@ void GetUp::add_support(std::span<const collision::ContactPoint> contacts, int s
     const Vec3 x = ahead();
     const Mat3 heading = Mat3::columns(x, cross(Vec3{0, 0, 1}, x), {0, 0, 1});
     Vec3 wanted = balls() + heading * goal->centre;
-    wanted.z = options_.ground + goal->centre.z;
+    wanted.z = ground_at(balls()) + goal->centre.z;
     state.miss = dot(x, wanted - c.centre);
     acceleration = limited((wanted - c.centre) * options_.centre_gain - c.velocity * options_.centre_damping, max_acceleration);
     turn = limited(log_map(to_quat(heading * goal->root * ws_.X_WB[0].R.transposed())) * options_.turn_gain, max_turn);

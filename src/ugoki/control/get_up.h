@@ -14,6 +14,7 @@
 // The way waits while the centre of mass is not over its place. No force acts on the root.
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -21,6 +22,7 @@
 #include "ugoki/collision/contact_point.h"
 #include "ugoki/control/contact_forces.h"
 #include "ugoki/control/get_up_plan.h"
+#include "ugoki/control/ground_map.h"
 #include "ugoki/dynamics/workspace.h"
 
 namespace ugoki::control {
@@ -38,7 +40,6 @@ struct GetUpOptions {
   double roll_time = 1.5;                        ///< s: a longer roll has failed
   double climb_time = 6.5;                       ///< s: a longer climb has failed
   std::uint64_t tries = 6;                       ///< failed tries after which the body rests
-  double ground = 0;                             ///< m: height of the ground
   Vec3 gravity{0, 0, -9.81};                     ///< m/s^2, world
 };
 
@@ -60,7 +61,8 @@ struct GetUpState {
 class GetUp {
  public:
   /// Plans the way up; see plan_get_up().
-  GetUp(MechanismPtr mechanism, const GetUpOptions& options);
+  /// @param ground kept: the ground under the body
+  GetUp(MechanismPtr mechanism, const GetUpOptions& options, std::shared_ptr<const GroundMap> ground = std::make_shared<const GroundMap>());
   /// False: the body has no two arms and two legs, or more than GetUpState::max_coordinates coordinates.
   [[nodiscard]] bool can_get_up() const { return plan_.has_value(); }
   [[nodiscard]] const GetUpPlan& plan() const { return *plan_; }
@@ -83,9 +85,12 @@ class GetUp {
   /// Horizontal direction ahead of the pelvis, and the middle of the balls of the feet.
   [[nodiscard]] Vec3 ahead() const;
   [[nodiscard]] Vec3 balls() const;
+  /// m: height of the ground below a point of the body, which may be a little below the ground.
+  [[nodiscard]] double ground_at(const Vec3& p) const { return ground_->below(p + Vec3{0, 0, 0.1 * body_->hip_height}).height; }
 
   MechanismPtr mechanism_;
   GetUpOptions options_;
+  std::shared_ptr<const GroundMap> ground_;
   std::optional<BodyPlan> body_;
   std::optional<GetUpPlan> plan_;
   dynamics::Workspace ws_;

@@ -12,6 +12,7 @@
 #include "ugoki/control/return_motion.h"
 #include "ugoki/lsi/declare.h"
 #include "ugoki/lsi/track_sampler.h"
+#include "ugoki/mechanism/state.h"
 #include "ugoki/spatial/elementary.h"
 
 namespace ugoki::lsi {
@@ -63,7 +64,8 @@ struct Balance {
   std::optional<control::MotionControl> tracking;  // other characters, for example a robot on a fixed base
   std::optional<control::FallControl> fall;        // as balance
   control::BalanceOptions options;
-  double floor = 0;                   // m
+  double floor = 0;                   // m: of the track
+  double ground = 0;                  // m: of the world
   std::vector<MechanismPtr> systems;  // of the world
   // After getting up: the way back to the track, and balance control that follows it. They depend only on the time of the fall.
   std::shared_ptr<const control::ReturnMotion> way_back;
@@ -93,7 +95,7 @@ void prepare_return(Balance& self, double time) {
   const Character& c = *self.character;
   const control::GetUpPlan* plan = self.fall->make_plan();
   self.way_back = std::make_shared<const control::ReturnMotion>(c.mechanism, self.track, *plan, time, self.floor);
-  self.returning.emplace(c.mechanism, self.way_back, self.options, self.floor, control::GroundMap(self.systems, c.index, self.floor));
+  self.returning.emplace(c.mechanism, self.way_back, self.options, self.floor, control::GroundMap(self.systems, c.index, self.ground));
   self.return_time = time;
 }
 
@@ -112,6 +114,14 @@ control::BalanceState begin_return(const Balance& self, std::span<const double> 
   state.x = place.x;
   state.y = place.y;
   state.heading = place.heading;
+  std::vector<Pose> X(static_cast<std::size_t>(self.character->mechanism->link_count()));
+  calc_poses(*self.character->mechanism, q, X);
+  const Vec3 root = X[0].p;
+  const control::GroundMap::Point ground = control::GroundMap(self.systems, self.character->index, self.ground).below(root);
+  state.z = ground.height - self.floor;
+  for (int k = 0; k < 2; ++k) state.tilt[k] = -ground.normal[k] / ground.normal.z;
+  state.ground[0] = root.x;
+  state.ground[1] = root.y;
   return state;
 }
 
@@ -219,7 +229,7 @@ std::int32_t step(const Call* call) {
   if (memory.fall_now.mode > static_cast<std::uint64_t>(control::FallMode::brace)) {  // the track waits where the character fell
     self.fall->step(q, v, self.contacts, self.character->index, dt, memory.fall_next, tau, gain, velocity);
     std::ranges::copy(self.track->payload(memory.now.time), reference);
-    displace_root(*self.character->mechanism, {memory.now.x, memory.now.y, 0, memory.now.heading}, {reference, self.layout.nq});
+    displace_root(*self.character->mechanism, {memory.now.x, memory.now.y, memory.now.z, memory.now.heading}, {reference, self.layout.nq});
     for (std::size_t k = 0; k < self.layout.feet; ++k) reference[self.layout.stance() + k] = 0;
     report[report_released] = 1;
     balance[2] = memory.now.time;
@@ -270,6 +280,7 @@ void* make(Setup& s) {
                            std::nullopt,
                            std::nullopt,
                            {},
+                           floor_of_track(*character, *world),
                            world->ground().height,
                            {},
                            nullptr,
@@ -298,9 +309,8 @@ void* make(Setup& s) {
     if (static_cast<std::size_t>(character->mechanism->nq()) <= control::FallState::max_coordinates) {
       control::FallOptions protection;
       protection.gravity = world->gravity();
-      protection.ground = world->ground().height;
       protection.get_up = s.number("get up") >= 0.5;
-      self->fall.emplace(character->mechanism, protection);
+      self->fall.emplace(character->mechanism, protection, control::GroundMap(systems, character->index, world->ground().height));
     }
     for (const int link : character->feet) {
       int found = 0;
