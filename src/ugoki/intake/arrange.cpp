@@ -10,6 +10,7 @@
 #include "ugoki/body/limb_geometry.h"
 #include "ugoki/intake/conversion_report.h"
 #include "ugoki/intake/correction.h"
+#include "ugoki/intake/deform_bones.h"
 #include "ugoki/intake/four_legs.h"
 #include "ugoki/intake/limb_ends.h"
 #include "ugoki/intake/tree_edit.h"
@@ -456,6 +457,19 @@ body::Character arrange_joints(std::span<MeasuredMotion> motions, std::vector<st
       std::ranges::move(turned, motions.begin());
       character = std::move(again);
       report.push_back("The skeleton was re-rooted at joint " + name + ", which carries the legs.");
+    }
+  }
+  if (character.plan == body::BodyPlan::other) {
+    std::vector<MeasuredMotion> fewer = with_ends.empty() ? std::vector<MeasuredMotion>(motions.begin(), motions.end()) : with_ends;
+    if (keep_deform_bones(fewer)) {
+      std::vector<std::string> changes = {
+          "The rig was reduced to the bones that deform its mesh (DEF-...), each attached to the next of them."};
+      body::Character better = arrange_joints(fewer, changes, mapping, mesh_ends);
+      if (better.plan != body::BodyPlan::other) {
+        std::ranges::move(fewer, motions.begin());
+        report = std::move(changes);
+        return better;
+      }
     }
   }
   if (character.plan == body::BodyPlan::other) {
