@@ -136,6 +136,16 @@ Result<Json> info_of_executable(const std::string& path) {
               {"sections", std::move(sections)}};
 }
 
+/// A mesh file, from which props are made.
+Json info_of_mesh(const intake::Intake& loaded) {
+  const intake::MeshBody& mesh = *loaded.mesh;
+  Json json = {{"kind", "mesh"},           {"triangles", mesh.triangles}, {"size_m", {mesh.size.x, mesh.size.y, mesh.size.z}},
+               {"volume_m3", mesh.volume}, {"closed", mesh.closed},       {"parts", mesh.parts},
+               {"colors", mesh.colors}};
+  if (!loaded.report.empty()) json["report"] = loaded.report;
+  return json;
+}
+
 /// Labels of a recording of markers to which no body could be fitted, with the reason. Other files: the error.
 Result<Json> info_of_recording(const Options& options, const Error& why) {
   const Result<std::string> bytes = files::read_file(options.target);
@@ -202,6 +212,7 @@ Result<Json> info_of(const Options& options) {
     case TargetKind::mechanism_file: {
       const Result<intake::Intake> loaded = take_in_file(options.target, options.source);
       if (!loaded) return fail(loaded.error());
+      if (loaded->mesh) return info_of_mesh(*loaded);
       Json json = {{"kind", "mechanism"}};
       json.update(mechanism_json(*loaded->mechanism, loaded->robot ? &*loaded->robot : nullptr));
       if (!loaded->report.empty()) json["report"] = loaded->report;
@@ -210,6 +221,7 @@ Result<Json> info_of(const Options& options) {
     case TargetKind::measured_file: {
       const Result<intake::Intake> loaded = take_in_file(options.target, options.source);
       if (!loaded) return info_of_recording(options, loaded.error());
+      if (loaded->mesh) return info_of_mesh(*loaded);
       Json json = {{"kind", "measured"}};
       json.update(measured_json(*loaded->measured));
       json["height_m"] = loaded->body->height;

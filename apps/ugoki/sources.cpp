@@ -156,9 +156,10 @@ Result<TargetKind> kind_of(const std::string& target) {
   const std::optional<intake::FileKind> kind = intake::file_kind(target);
   if (!kind)
     return fail(ErrorCode::unsupported, target, "The kind of this file is unknown.",
-                "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .usda, .mvnx, .npz, .mot, .sto, .txt, .osim, .json, .urdf, .sdf, .xml, .ugoki "
+                "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .usda, .mvnx, .npz, .mot, .sto, .txt, .osim, .json, .urdf, .sdf, .xml, .obj, "
+                ".stl, .ply, .ugoki "
                 "or .ugx file.");
-  const bool mechanism = *kind == intake::FileKind::mechanism_json || *kind == intake::FileKind::robot;
+  const bool mechanism = *kind == intake::FileKind::mechanism_json || *kind == intake::FileKind::robot || *kind == intake::FileKind::mesh;
   return mechanism ? TargetKind::mechanism_file : TargetKind::measured_file;
 }
 
@@ -176,7 +177,7 @@ Result<intake::Intake> take_in_mapped(const std::string& path, const SourceOptio
     if (loaded && intake_options.robot.loops) loaded->report.push_back("Loops are read from " + intake_options.robot.loops->name + ".");
     return loaded;
   }
-  if (kind == intake::FileKind::gltf) {
+  if (kind == intake::FileKind::gltf || kind == intake::FileKind::mesh) {
     intake::IntakeOptions gltf_options = options.intake;
     gltf_options.files = [&](std::string_view uri) -> Result<std::vector<std::byte>> {
       const fs::path relative = fs::path(uri).lexically_normal();
@@ -236,6 +237,8 @@ Result<ClipSource> load_clip(const std::string& target, const SourceOptions& opt
                 "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .usda, .mvnx or .npz file, or a motion of the library.");
   Result<intake::Intake> loaded = take_in_file(target, options);
   if (!loaded) return fail(std::move(loaded.error()));
+  if (!loaded->motion)
+    return fail(ErrorCode::structure, target, "The file contains a mesh without a motion.", "Name a file with a motion.");
   return clip_of(std::move(*loaded));
 }
 

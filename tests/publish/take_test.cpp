@@ -6,11 +6,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
 
 #include "../content/fixture.h"
 #include "ugoki/formats/gltf.h"
 #include "ugoki/mechanism/state.h"
+#include "ugoki/publish/shape_surface.h"
+#include "ugoki/scene_formats/mesh_scene.h"
 #include "ugoki/scene_formats/usd.h"
 
 namespace ugoki::publish {
@@ -90,6 +93,31 @@ TEST(TakeGlb, IsReadWithTheSameWorldPositions) {
       }
   }
   EXPECT_EQ(found, 3) << "pelvis, leg and ball";
+}
+
+TEST(TakeGlb, ShapesHaveTheirColours) {
+  Take take = take_of(0.1, 60);
+  take.characters[0].color = "#804020";
+  take.characters[0].shape_colors = {"", "#102030"};
+  take.characters[1].color = "#ff8000";
+  const Result<scene_formats::MeshScene> scene = scene_formats::read_mesh_scene(write_take_glb(take), "park.glb");
+  ASSERT_TRUE(scene) << scene.error().text();
+  EXPECT_TRUE(scene->skinned);
+  std::map<std::string, std::size_t> triangles;
+  for (const scene_formats::MeshPart& part : scene->parts) triangles[part.color] += part.triangles.size();
+  std::map<std::string, std::size_t> wanted;
+  for (const TakeCharacter& c : take.characters) {
+    std::size_t shape = 0;
+    for (std::size_t l = 0; l < c.links(); ++l)
+      for (const Shape& s : c.mechanism->link(static_cast<int>(l)).shapes) {
+        if (!s.visible) continue;
+        Surface surface;
+        add_surface(s, surface);
+        wanted[shape == 1 && !c.shape_colors.empty() ? "#102030" : c.color] += surface.triangles.size();
+        ++shape;
+      }
+  }
+  EXPECT_EQ(triangles, wanted);
 }
 
 TEST(TakeCsv, HasARowForEachFrameAndNumbersOfTheRun) {

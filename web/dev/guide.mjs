@@ -4,6 +4,7 @@ import { mkdirSync, writeFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { launch, ready } from '../e2e/browser.mjs';
 import { leg_swing_bvh } from '../e2e/library.mjs';
+import { add_table } from '../e2e/props.mjs';
 import { start_service } from '../e2e/service.mjs';
 
 const wanted = process.argv.slice(2);
@@ -85,6 +86,24 @@ try {
       const before = await revision();
       await page.keyboard.press('Control+z');
       await page.waitForFunction((r) => window.ugoki.undo().revision !== r, before);
+    }
+    await page.keyboard.press('a');
+    await page.waitForTimeout(1000);
+  }
+
+  if (wanted.length === 0 || wanted.includes('mesh-prop')) {
+    await add_table(page);
+    await page.getByRole('button', { name: 'Add as a prop' }).click();
+    await page.locator('.inspector').getByLabel('Collides as').selectOption('parts');
+    await page.waitForTimeout(500);
+    for (const [label, value] of [['X', 1.2], ['Y', 1.5], ['Heading', 30]]) await page.locator('.inspector').getByLabel(label, { exact: true }).fill(String(value)).then(() => page.keyboard.press('Enter')).then(() => page.waitForTimeout(400));
+    await blur();
+    await page.keyboard.press('f');
+    await page.waitForTimeout(2500);
+    await picture('mesh-prop');
+    while (await page.evaluate('window.ugoki.document().characters.some((c) => c.prop)')) {
+      await page.keyboard.press('Control+z');
+      await page.waitForTimeout(300);
     }
     await page.keyboard.press('a');
     await page.waitForTimeout(1000);

@@ -8,7 +8,109 @@ const skip = mock && 'the mock service makes no props';
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
 const hook = (page, expression) => page.evaluate(`window.ugoki.${expression}`);
 
+/** A box as text of an OBJ file. @param first number of the first vertex */
+function box_obj([x0, y0, z0], [x1, y1, z1], first) {
+  const corner = (i) => `v ${i & 1 ? x1 : x0} ${i & 2 ? y1 : y0} ${i & 4 ? z1 : z0}`;
+  const faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+  return [...Array.from({ length: 8 }, (_, i) => corner(i)), ...faces.map((f) => `f ${f.map((k) => first + k).join(' ')}`)].join('\n');
+}
+
+/** A table of 1.2 m x 0.6 m x 0.72 m, Y up: a wooden top on four steel legs. */
+export function table_files() {
+  const legs = [[-0.55, -0.25], [0.5, -0.25], [-0.55, 0.2], [0.5, 0.2]];
+  const text = ['mtllib table.mtl', 'usemtl wood', box_obj([-0.6, 0.68, -0.3], [0.6, 0.72, 0.3], 1), 'usemtl steel', ...legs.map(([x, z], i) => box_obj([x, 0, z], [x + 0.05, 0.68, z + 0.05], 9 + 8 * i))].join('\n');
+  const file = (name, content) => ({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(content) });
+  return [file('table.obj', text), file('table.mtl', 'newmtl wood\nKd 0.72 0.5 0.3\nnewmtl steel\nKd 0.35 0.38 0.42\n')];
+}
+
+/** Adds the table by "+ Prop", "Mesh file…". */
+export async function add_table(page, files = table_files()) {
+  await page.getByRole('button', { name: '+ Prop' }).click();
+  const [chooser] = await Promise.all([page.waitForEvent('filechooser'), page.getByRole('menu', { name: 'Add a prop' }).getByRole('menuitem', { name: 'Mesh file…' }).click()]);
+  await chooser.setFiles(files);
+}
+
 export const prop_journeys = [
+  {
+    name: 'mesh props: a table from a file with colours is sized, made to move, a box lies on it; all is undone; a damaged file is refused',
+    async run({ page }) {
+      await set_mode(page, 'Edit');
+      await page.keyboard.press('Escape');
+      const before = await text_of(page);
+      const dialog = page.getByRole('dialog', { name: 'Import' });
+      const props = async () => (await document_of(page)).characters.filter((c) => c.prop);
+      const set = async (label, value, done) => {
+        const field = page.locator('.inspector').getByLabel(label, { exact: true });
+        await field.fill(String(value));
+        await field.press('Enter');
+        await until(page, done, `${label} = ${value}`);
+      };
+      // a damaged file
+      await add_table(page, [{ name: 'torn.glb', mimeType: 'application/octet-stream', buffer: Buffer.from('glTF torn') }]);
+      await dialog.getByText('torn.glb was not imported').waitFor();
+      assert.match(await dialog.locator('.problem').first().innerText(), /torn\.glb[\s\S]*Export/);
+      await page.keyboard.press('Escape');
+      await dialog.waitFor({ state: 'detached' });
+
+      await add_table(page);
+      await dialog.getByRole('button', { name: 'Add as a prop' }).waitFor();
+      await until(page, async () => (await hook(page, 'import_view()?.pictures ?? 0')) > 2, 'the preview').catch(() => undefined);
+      await page.waitForTimeout(600);
+      assert.match(await dialog.innerText(), /0\.60 x 1\.20 x 0\.72 m/);
+      assert.match(await dialog.innerText(), /assumed to be in metres/);
+      await page.screenshot({ path: `${pictures}mesh-import.png` });
+      await dialog.getByRole('button', { name: 'Add as a prop' }).click();
+      const table = (await until(page, async () => (await props()).find((c) => c.prop.shape === 'mesh'), 'the table')).id;
+      const prop = async () => (await props()).find((c) => c.id === table);
+      assert.deepEqual((await prop()).shape_colors.length, 2);
+      await page.locator('.inspector h3', { hasText: 'Prop' }).waitFor();
+      await page.locator('.inspector').getByLabel('Collides as').waitFor();
+      await set('X', 3, async () => (await prop()).place.x === 3);
+      await set('Y', 2.5, async () => (await prop()).place.y === 2.5);
+      await set('Scale', 1.25, async () => (await prop()).prop.scale.every((s) => s === 1.25));
+      await page.locator('.inspector').getByLabel('Collides as').selectOption('parts');
+      await until(page, async () => (await prop()).prop.collision === 'parts', 'hulls of parts');
+      await blur(page);
+      await page.keyboard.press('f');
+      await page.waitForTimeout(800);
+      await page.screenshot({ path: `${pictures}mesh-prop.png` });
+      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+      await page.waitForTimeout(500);
+      await page.screenshot({ path: `${pictures}mesh-prop-light.png` });
+      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+
+      // with a mass: that of wood, and the density that the field shows
+      await page.locator('.inspector').getByRole('switch', { name: 'Moves' }).or(page.locator('.inspector').getByLabel('Moves')).first().click();
+      const volume = (1.2 * 0.04 * 0.6 + 4 * 0.05 * 0.05 * 0.68) * 1.25 ** 3;
+      await until(page, async () => Math.abs((await prop()).prop.mass - 600 * volume) < 0.02, 'the mass of wood');
+      await set('Density', 1000, async () => Math.abs((await prop()).prop.mass - 1000 * volume) < 0.01);
+      await page.locator('.inspector').getByRole('switch', { name: 'Moves' }).or(page.locator('.inspector').getByLabel('Moves')).first().click();
+      await until(page, async () => (await prop()).prop.mass === 0, 'a fixed table');
+
+      // a box above the top comes to rest on it
+      await page.getByRole('button', { name: '+ Prop' }).click();
+      await page.getByRole('menu', { name: 'Add a prop' }).getByRole('menuitem', { name: 'Box', exact: true }).click();
+      const box = (await until(page, async () => (await props()).find((c) => c.prop.shape === 'box'), 'the box')).id;
+      const crate = async () => (await props()).find((c) => c.id === box);
+      await page.locator('.inspector').getByRole('switch', { name: 'Moves' }).or(page.locator('.inspector').getByLabel('Moves')).first().click();
+      await until(page, async () => (await crate()).prop.mass === 10, 'a mass');
+      for (const label of ['Length', 'Width', 'Height']) await set(label, 0.3, async () => (await crate()).prop.size.includes(0.3));
+      await set('X', 3, async () => (await crate()).place.x === 3);
+      await set('Y', 2.5, async () => (await crate()).place.y === 2.5);
+      await set('Z', 1.1, async () => (await crate()).place.z === 1.1);
+      await set_mode(page, 'Simulate');
+      await blur(page);
+      await page.keyboard.press('Control+Home');
+      await page.keyboard.press('Space');
+      await until(page, async () => (await hook(page, 'transport()')).simulated > 1, 'a second of simulation');
+      await page.keyboard.press('Space');
+      const height = (await hook(page, `character(${JSON.stringify(box)})`)).com[2] - 0.15;
+      assert.ok(Math.abs(height - 0.9) < 0.005, `the box lies on the table: its bottom is at ${height} m`);
+      await page.screenshot({ path: `${pictures}mesh-prop-simulated.png` });
+      await set_mode(page, 'Edit');
+      await undo_to(page, before);
+    },
+  },
   {
     name: 'props: stairs, a ramp and a crate are added by mouse, sized and moved; the crate falls onto the stairs; all is undone',
     async run({ page }) {

@@ -264,7 +264,9 @@ class Work {
     if (!problems_.empty()) return {};
     assign_id(c.id, 'c');
     const auto mechanism = catalogue_.mechanisms.find(c.mechanism);
-    if (c.name.empty() && c.prop) c.name = name_of(c.prop->shape);
+    if (c.name.empty() && c.prop && c.prop->shape != PropShape::mesh) c.name = name_of(c.prop->shape);
+    if (c.name.empty() && c.prop)
+      if (const auto mesh = catalogue_.mechanisms.find(c.prop->mesh); mesh != catalogue_.mechanisms.end()) c.name = mesh->second.name;
     if (c.name.empty())
       c.name = mechanism != catalogue_.mechanisms.end() && !mechanism->second.name.empty() ? mechanism->second.name : c.id;
     document().characters.push_back(std::move(c));
@@ -534,9 +536,9 @@ class Work {
 
 void collect_resources(const Json& command, std::vector<std::string>& out) {
   if (!command.is_object()) return;
-  for (const char* key : {"motion", "mechanism"})
+  for (const char* key : {"motion", "mechanism", "mesh"})
     if (const auto it = command.find(key); it != command.end() && it->is_string()) out.push_back(it->get_ref<const std::string&>());
-  for (const char* key : {"rule", "do"})
+  for (const char* key : {"rule", "do", "prop"})
     if (const auto it = command.find(key); it != command.end()) collect_resources(*it, out);
   if (const auto it = command.find("commands"); it != command.end() && it->is_array())
     for (const Json& c : *it) collect_resources(c, out);

@@ -16,7 +16,12 @@ namespace ugoki::content {
 
 void add_props(const Scenario& scenario, Resources& resources) {
   for (const ScenarioCharacter& c : scenario.characters)
-    if (c.prop && !resources.mechanisms.contains(c.mechanism)) resources.mechanisms.emplace(c.mechanism, make_prop(*c.prop));
+    if (c.prop && !resources.mechanisms.contains(c.mechanism)) {
+      const auto mesh = resources.mechanisms.find(c.prop->mesh);
+      const bool of_mesh = c.prop->shape == PropShape::mesh;
+      if (of_mesh && (mesh == resources.mechanisms.end() || !is_mesh_body(*mesh->second))) continue;  // check_scenario() reports it
+      resources.mechanisms.emplace(c.mechanism, make_prop(*c.prop, of_mesh ? mesh->second : nullptr));
+    }
 }
 
 MechanismFacts facts_of(const Mechanism& mechanism) {
@@ -29,6 +34,7 @@ MechanismFacts facts_of(const Mechanism& mechanism) {
     facts.joints.push_back(link.joint.type);
     if (!link.label.empty()) facts.labels.push_back(link.label);
   }
+  facts.mesh_body = is_mesh_body(mechanism);
   return facts;
 }
 

@@ -18,7 +18,7 @@ struct Resources {
   std::map<std::string, MotionPtr, std::less<>> motions;
 };
 
-/// Adds the mechanisms of the scenario's props that are not yet there.
+/// Adds the mechanisms of the scenario's props that are not yet there, except props whose mesh is not there.
 void add_props(const Scenario& scenario, Resources& resources);
 
 /// Returns the properties of a mechanism or motion that check_scenario() needs.

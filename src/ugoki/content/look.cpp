@@ -10,7 +10,7 @@ namespace ugoki::content {
 namespace {
 
 constexpr std::array patterns = {"grid", "plain", "checker", "boards"};
-constexpr std::size_t max_link_colors = 1'000;
+constexpr std::size_t max_link_colors = 1'000, max_shape_colors = 1'000;
 
 void check_color(const std::string& location, const std::string& value, Error& problems) {
   if (!is_color(value))
@@ -81,6 +81,10 @@ Json to_json(const ScenarioLook& look) {
 void read_material(Fields& f, ScenarioMaterial& out) {
   f.number("roughness", out.roughness);
   f.number("metalness", out.metalness);
+  if (const Json* list = f.list("shape_colors", max_shape_colors, "shape_colors")) {
+    out.shape_colors.clear();
+    for (const Json& color : *list) out.shape_colors.push_back(color.is_string() ? color.get<std::string>() : "none");
+  }
   const Json* colors = f.find("link_colors");
   if (!colors) return;
   if (!colors->is_object() || colors->size() > max_link_colors) {
@@ -98,6 +102,7 @@ void write_material(const ScenarioMaterial& material, Json& json) {
   if (material.roughness != normal.roughness) json["roughness"] = material.roughness;
   if (material.metalness != normal.metalness) json["metalness"] = material.metalness;
   for (const auto& [link, color] : material.link_colors) json["link_colors"][link] = color;
+  if (!material.shape_colors.empty()) json["shape_colors"] = material.shape_colors;
 }
 
 void check_look(const ScenarioLook& look, const std::string& location, Error& problems) {
@@ -119,6 +124,8 @@ void check_look(const ScenarioLook& look, const std::string& location, Error& pr
 void check_material(const ScenarioMaterial& m, const MechanismFacts* mechanism, const std::string& location, Error& problems) {
   check_range(location + "/roughness", m.roughness, 0, 1, problems);
   check_range(location + "/metalness", m.metalness, 0, 1, problems);
+  for (std::size_t i = 0; i < m.shape_colors.size(); ++i)
+    if (!m.shape_colors[i].empty()) check_color(location + "/shape_colors/" + std::to_string(i), m.shape_colors[i], problems);
   for (const auto& [link, color] : m.link_colors) {
     const std::string place = location + "/link_colors/" + link;
     check_color(place, color, problems);

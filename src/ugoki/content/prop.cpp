@@ -7,19 +7,25 @@
 #include <utility>
 #include <vector>
 
+#include "ugoki/base/check.h"
 #include "ugoki/base/number.h"
+#include "ugoki/collision/prepared_geometry.h"
 #include "ugoki/content/prop_json.h"
+#include "ugoki/content/scenario.h"
 #include "ugoki/mechanism/geometry.h"
 
 namespace ugoki::content {
 namespace {
 
-constexpr std::array<std::pair<PropShape, std::string_view>, 6> names = {{{PropShape::box, "box"},
+constexpr std::array<std::pair<PropShape, std::string_view>, 7> names = {{{PropShape::box, "box"},
                                                                           {PropShape::ramp, "ramp"},
                                                                           {PropShape::stairs, "stairs"},
                                                                           {PropShape::cylinder, "cylinder"},
                                                                           {PropShape::sphere, "sphere"},
-                                                                          {PropShape::bar, "bar"}}};
+                                                                          {PropShape::bar, "bar"},
+                                                                          {PropShape::mesh, "mesh"}}};
+constexpr std::array<std::pair<MeshCollision, std::string_view>, 3> collisions = {
+    {{MeshCollision::hull, "hull"}, {MeshCollision::parts, "parts"}, {MeshCollision::surface, "surface"}}};
 constexpr double post = 0.03;  // m, radius of the posts of a bar, but at most a fifth of its width
 
 /// Box with its bottom at z = 0, from x0 to x1.
@@ -55,25 +61,81 @@ std::vector<Shape> shapes_of(const Prop& p) {
       for (const double side : {-y, y}) out.push_back(Shape::cylinder(radius, 0.5 * height, {Mat3::identity(), {0, side, 0.5 * height}}));
       return out;
     }
+    case PropShape::mesh: return out;  // made from its mesh body
   }
   return out;
+}
+
+Vec3 stretched(const Vec3& p, const Vec3& scale) { return {p.x * scale.x, p.y * scale.y, p.z * scale.z}; }
+
+/// The geometry with its lengths multiplied by `scale`, with its hull. Its sphere tree is made again when it is needed.
+GeometryPtr stretched(const GeometryPtr& geometry, const Vec3& scale) {
+  if (scale == Vec3{1, 1, 1}) return geometry;
+  std::vector<Vec3> points = geometry->vertices;
+  for (Vec3& p : points) p = stretched(p, scale);
+  Result<GeometryPtr> made = make_geometry(points, geometry->triangles, geometry->convex, "mesh");
+  if (!made) return geometry;  // a triangle became too small; cannot happen within the limits of sizes
+  if (!geometry->prepared || geometry->prepared->hull.vertices.empty()) return *made;
+  collision::Hull hull = geometry->prepared->hull;
+  for (Vec3& p : hull.vertices) p = stretched(p, scale);
+  Result<collision::Hull> assembled =
+      collision::assemble_hull(std::move(hull.vertices), std::move(hull.first_corner), std::move(hull.corners));
+  if (!assembled) return *made;
+  const Result<collision::PreparedPtr> prepared = collision::make_prepared(**made, std::move(*assembled), {}, "mesh");
+  return prepared ? collision::with_prepared(**made, *prepared) : *made;
+}
+
+/// Inertia of a body of the same mass whose lengths are multiplied by `scale`: the second moments int x_i x_j dm grow with
+/// scale_i scale_j, and I = tr(S) 1 - S.
+Inertia stretched(const Inertia& body, const Vec3& s) {
+  const Sym3& I = body.I;
+  const double half = 0.5 * (I.xx + I.yy + I.zz);
+  const double xx = (half - I.xx) * s.x * s.x, yy = (half - I.yy) * s.y * s.y, zz = (half - I.zz) * s.z * s.z;
+  return {body.mass, stretched(body.h, s), {yy + zz, zz + xx, xx + yy, I.xy * s.x * s.y, I.xz * s.x * s.z, I.yz * s.y * s.z}};
+}
+
+/// Shapes of a mesh prop, in the frame of its mesh. With `surface`, what is seen collides; otherwise the hull, or the hulls of the parts.
+std::vector<Shape> mesh_shapes(const Prop& p, const Link& body) {
+  const auto is_part = [](const Shape& s) { return !s.visible && !s.collides; };
+  const bool by_parts = p.collision == MeshCollision::parts && std::any_of(body.shapes.begin(), body.shapes.end(), is_part);
+  std::vector<Shape> out;
+  for (Shape s : body.shapes) {
+    if (!s.visible && (p.collision == MeshCollision::surface || is_part(s) != by_parts)) continue;
+    s.collides = s.visible ? p.collision == MeshCollision::surface : true;
+    s.geometry = stretched(s.geometry, p.scale);
+    out.push_back(std::move(s));
+  }
+  return out;
+}
+
+/// Reads the name of a value of an enumeration. @param what begins the message  @param choices the names, for the remedy
+template <class Value, std::size_t n>
+void read_name(Fields& f, const char* field, const std::array<std::pair<Value, std::string_view>, n>& list, const char* what,
+               const char* choices, Value& out) {
+  std::string text;
+  for (const auto& [value, name] : list)
+    if (value == out) text = name;
+  f.text(field, text);
+  for (const auto& [value, name] : list)
+    if (name == text) {
+      out = value;
+      return;
+    }
+  f.report(ErrorCode::unknown, f.path(field), "There is no " + std::string(what) + " '" + text + "'.", choices);
 }
 
 }  // namespace
 
 std::string_view name_of(PropShape shape) { return names[static_cast<std::size_t>(shape)].second; }
+std::string_view name_of(MeshCollision collision) { return collisions[static_cast<std::size_t>(collision)].second; }
 
 void read_prop(Fields& f, Prop& out) {
-  std::string shape(name_of(out.shape));
-  f.text("shape", shape);
-  bool known = false;
-  for (const auto& [value, name] : names)
-    if (name == shape) out.shape = value, known = true;
-  if (!known)
-    f.report(ErrorCode::unknown, f.path("shape"), "There is no prop '" + shape + "'.",
-             "Use \"box\", \"ramp\", \"stairs\", \"cylinder\", \"sphere\" or \"bar\".");
+  read_name(f, "shape", names, "prop", "Use \"box\", \"ramp\", \"stairs\", \"cylinder\", \"sphere\", \"bar\" or \"mesh\".", out.shape);
   f.vec3("size", out.size);
   f.integer("steps", out.steps);
+  f.text("mesh", out.mesh);
+  f.vec3("scale", out.scale);
+  read_name(f, "collision", collisions, "kind of collision", "Use \"hull\", \"parts\" or \"surface\".", out.collision);
   f.vec3("tilt", out.tilt);
   f.number("mass", out.mass);
   f.number("friction", out.friction);
@@ -81,7 +143,14 @@ void read_prop(Fields& f, Prop& out) {
 }
 
 Json to_json(const Prop& p) {
-  Json json = {{"shape", name_of(p.shape)}, {"size", to_json(p.size)}};
+  Json json = {{"shape", name_of(p.shape)}};
+  if (p.shape == PropShape::mesh) {
+    json["mesh"] = p.mesh;
+    json["scale"] = to_json(p.scale);
+    json["collision"] = name_of(p.collision);
+  } else {
+    json["size"] = to_json(p.size);
+  }
   if (p.shape == PropShape::stairs) json["steps"] = p.steps;
   if (p.tilt != Vec3{}) json["tilt"] = to_json(p.tilt);
   json["mass"] = p.mass;
@@ -99,7 +168,11 @@ void check_prop(const Prop& p, const std::string& location, Error& problems) {
   for (int i = 0; i < 3; ++i) {
     range("size", p.size[i], Prop::min_size, Prop::max_size, " m");
     range("tilt", p.tilt[i], -180, 180, " degrees");
+    range("scale", p.scale[i], Prop::min_scale, Prop::max_scale, "");
   }
+  if (p.shape == PropShape::mesh && !is_id(p.mesh, max_resource_id))
+    problems.add(ErrorCode::syntax, location + "/mesh", "'" + p.mesh + "' cannot be the id of a mesh.",
+                 "Import a mesh file, and choose it.");
   range("steps", p.steps, 1, Prop::max_steps, "");
   range("mass", p.mass, 0, Prop::max_mass, " kg");
   range("friction", p.friction, 0, 10, "");
@@ -116,10 +189,20 @@ std::string prop_mechanism_id(const Prop& prop) {
 
 bool is_prop_mechanism(std::string_view id) { return id.starts_with("prop."); }
 
-MechanismPtr make_prop(const Prop& p) {
+bool is_mesh_body(const Mechanism& m) {
+  if (m.link_count() != 1 || m.link(0).name != "body" || m.nq() != 0 || !(m.link(0).inertia.mass > 0)) return false;
+  const std::vector<Shape>& shapes = m.link(0).shapes;
+  return std::any_of(shapes.begin(), shapes.end(), [](const Shape& s) { return s.visible; }) &&
+         std::all_of(shapes.begin(), shapes.end(), [](const Shape& s) {
+           return s.geometry != nullptr && norm(s.X_BS.p) == 0 && s.X_BS.R.column(0).x == 1 && s.X_BS.R.column(1).y == 1;
+         });
+}
+
+MechanismPtr make_prop(const Prop& p, const MechanismPtr& mesh) {
+  UGOKI_CHECK((p.shape == PropShape::mesh) == (mesh != nullptr));
   LinkSpec link;
   link.name = "body";
-  link.shapes = shapes_of(p);
+  link.shapes = mesh ? mesh_shapes(p, mesh->link(0)) : shapes_of(p);
   const Mat3 R = rotation_about({1, 0, 0}, p.tilt.x * (pi / 180)) * rotation_about({0, 1, 0}, p.tilt.y * (pi / 180)) *
                  rotation_about({0, 0, 1}, p.tilt.z * (pi / 180));
   double volumes = 0;
@@ -129,12 +212,16 @@ MechanismPtr make_prop(const Prop& p) {
     shape.restitution = p.restitution;
     volumes += volume(shape);
   }
-  if (p.mass > 0) {
-    link.joint.type = JointType::floating;
+  if (p.mass > 0) link.joint.type = JointType::floating;
+  if (p.mass > 0 && mesh) {
+    const Inertia body = stretched(mesh->link(0).inertia, p.scale);
+    const double factor = p.mass / body.mass;
+    link.inertia = Inertia{p.mass, body.h * factor, body.I * factor}.in_parent(Pose{R, {}});
+  } else if (p.mass > 0) {
     for (const Shape& shape : link.shapes) link.inertia = link.inertia + solid_inertia(shape, p.mass / volumes);
   }
   MechanismSpec spec;
-  spec.name = std::string(name_of(p.shape));
+  spec.name = mesh ? mesh->name() : std::string(name_of(p.shape));
   spec.links.push_back(std::move(link));
   return Mechanism::make(std::move(spec)).value();
 }

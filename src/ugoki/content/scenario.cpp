@@ -109,6 +109,19 @@ class Checker {
                     "Name a character of the document, or remove this reference.");
   }
 
+  /// Reports a mesh that the project does not contain, and a mechanism that is no mesh body.
+  bool check_mesh(const std::string& id, const std::string& location) {
+    const auto it = catalogue_->mechanisms.find(id);
+    if (it == catalogue_->mechanisms.end())
+      problems_.add(ErrorCode::unknown, location, "The project has no mesh '" + id + "'.", "Import the mesh file, and choose it.");
+    else if (!it->second.mesh_body)
+      problems_.add(ErrorCode::unsupported, location, "The mechanism '" + it->second.name + "' is not made from a mesh file.",
+                    "Choose a mesh that was imported from a .glb, .obj, .stl, .ply or .dae file, or add the mechanism as a character.");
+    else
+      return true;
+    return false;
+  }
+
   void check_character(const ScenarioCharacter& c, const std::string& location) {
     check_own_id(location + "/id", c.id);
     check_name(location + "/name", c.name);
@@ -126,6 +139,7 @@ class Checker {
       const std::size_t before = problems_.problems.size();
       check_prop(*c.prop, location + "/prop", problems_);
       if (problems_.problems.size() > before) return;
+      if (catalogue_ && c.prop->shape == PropShape::mesh && !check_mesh(c.prop->mesh, location + "/prop/mesh")) return;
       if (c.control.mode != ControlMode::passive || !c.track.empty())
         problems_.add(ErrorCode::structure, location, "The prop '" + c.name + "' has a track or a control mode other than \"passive\".",
                       "Remove its clips, and set the mode \"passive\".");
@@ -462,7 +476,16 @@ Error check_scenario(const Scenario& scenario, const Catalogue* catalogue, std::
     if (!unused.empty()) continue;
     if (catalogue != &with_props) with_props = *catalogue;
     catalogue = &with_props;
-    with_props.mechanisms.emplace(c.mechanism, facts_of(*make_prop(*c.prop)));
+    if (c.prop->shape != PropShape::mesh) {
+      with_props.mechanisms.emplace(c.mechanism, facts_of(*make_prop(*c.prop)));
+    } else if (const auto mesh = with_props.mechanisms.find(c.prop->mesh); mesh != with_props.mechanisms.end()) {
+      MechanismFacts facts = mesh->second;
+      facts.mesh_body = false;
+      facts.free_root = c.prop->mass > 0;
+      facts.joints = {facts.free_root ? JointType::floating : JointType::fixed};
+      facts.nq = facts.free_root ? 7 : 0;
+      with_props.mechanisms.emplace(c.mechanism, std::move(facts));
+    }
   }
   Checker(scenario, catalogue, name, problems).check();
   return problems;

@@ -216,6 +216,7 @@ struct MechanismFacts {
   bool free_root = false;                  ///< true: the first joint is floating, so that the mechanism can be placed and thrown
   std::vector<std::string> links, labels;  ///< names of all links; labels of the links that have one
   std::vector<JointType> joints;           ///< joint type of each link
+  bool mesh_body = false;                  ///< true: a prop can be made from it (is_mesh_body())
 };
 /// Properties of a motion that check_scenario() needs.
 struct MotionFacts {

@@ -17,6 +17,7 @@
 #include "ugoki/intake/animal_size.h"
 #include "ugoki/intake/arrange.h"
 #include "ugoki/intake/choice.h"
+#include "ugoki/intake/mesh_intake.h"
 #include "ugoki/intake/scale.h"
 #include "ugoki/intake/support.h"
 #include "ugoki/robot_formats/robot_file.h"
@@ -443,6 +444,7 @@ std::optional<FileKind> file_kind(std::string_view file_name) {
   if (ending == "csv") return FileKind::csv;
   if (ending == "gltf" || ending == "glb") return FileKind::gltf;
   if (ending == "fbx" || ending == "dae") return FileKind::scene;
+  if (ending == "obj" || ending == "stl" || ending == "ply") return FileKind::mesh;
   if (ending == "usda" || ending == "usd" || ending == "usdc" || ending == "usdz") return FileKind::usd;
   if (ending == "mvnx") return FileKind::mvnx;
   if (ending == "npz") return FileKind::smpl;
@@ -472,8 +474,10 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
     return fail(
         ErrorCode::unsupported, location, "Files with this extension cannot be imported.",
         "Use a .bvh, .amc (with its .asf), .c3d, .trc, .csv, .gltf, .glb, .fbx, .dae, .usda, .mvnx, .npz, .mot, .sto, .txt (DeepMimic), "
-        "mechanism .json, .urdf, .sdf, .osim or MJCF .xml file.");
+        ".obj, .stl, .ply, mechanism .json, .urdf, .sdf, .osim or MJCF .xml file.");
   if (auto error = stopped(options, file_name)) return fail(std::move(*error));
+  if ((*kind == FileKind::gltf || *kind == FileKind::scene) && is_still(bytes))
+    if (Result<Intake> mesh = take_in_mesh(bytes, file_name, options)) return mesh;
   formats::ReadNotes notes;
   switch (*kind) {
     case FileKind::bvh: {
@@ -545,6 +549,7 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
       return fail(ErrorCode::structure, location, "An ASF file contains a skeleton without motion.",
                   "Import an AMC file that belongs to it.");
     case FileKind::mechanism_json: return from_mechanism(formats::read_mechanism(bytes, file_name), file_name, options);
+    case FileKind::mesh: return take_in_mesh(bytes, file_name, options);
     case FileKind::robot: return from_robot(bytes, file_name, options);
   }
   return fail(ErrorCode::unsupported, location, "This kind of file cannot be imported.", "Use a .bvh or .amc file.");

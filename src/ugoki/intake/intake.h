@@ -14,6 +14,7 @@
 #include "ugoki/formats/read_notes.h"
 #include "ugoki/intake/conversion_report.h"
 #include "ugoki/intake/correction.h"
+#include "ugoki/intake/mesh_body.h"
 #include "ugoki/motion/markers.h"
 #include "ugoki/motion/motion.h"
 #include "ugoki/motion/skeleton.h"
@@ -55,6 +56,7 @@ struct Intake {
   std::optional<Motion> motion;                    ///< motion formats (the first motion of several)
   std::optional<robot_formats::RobotModel> robot;  ///< URDF, SDF, MJCF
   MechanismPtr mechanism;                          ///< mechanism of the body, or of the file
+  std::optional<MeshBody> mesh;                    ///< files with a mesh and without a skeleton
   double metres_per_unit = 0;                      ///< m, unit of length that was used; 0: the file has none
   bool unit_guessed = false;                       ///< neither the file nor the caller specified the unit
   Orientation axes = usual_orientation(true);      ///< up and forward axes of the file's space that were used
@@ -68,7 +70,7 @@ struct Intake {
 };
 
 /// Kinds of files that can be imported.
-enum class FileKind { bvh, amc, asf, c3d, trc, csv, gltf, scene, usd, mvnx, smpl, opensim, deepmimic, mechanism_json, robot };
+enum class FileKind { bvh, amc, asf, c3d, trc, csv, gltf, scene, usd, mvnx, smpl, opensim, deepmimic, mechanism_json, robot, mesh };
 /// Kind from the file name's extension, ignoring case; std::nullopt for other extensions.
 [[nodiscard]] std::optional<FileKind> file_kind(std::string_view file_name);
 

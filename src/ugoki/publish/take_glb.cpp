@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "ugoki/base/check.h"
 #include "ugoki/formats/glb_chunk.h"
@@ -111,11 +112,12 @@ class Writer {
     add_mesh(c, first);
   }
 
-  /// Adds mesh, material and skin. Each vertex moves with one link; the mesh is bound in the pose of the first frame.
+  /// Adds mesh, materials and skin. Each vertex moves with one link; the mesh is bound in the pose of the first frame.
   void add_mesh(const TakeCharacter& c, std::size_t first) {
     std::vector<float> positions, normals, weights, binds;
     std::vector<std::uint16_t> owners;
-    std::vector<std::uint32_t> indices;
+    std::map<std::string, std::vector<std::uint32_t>> indices;  // by colour
+    std::size_t shape = 0;
     Json joints = Json::array();
     for (std::size_t l = 0; l < c.links(); ++l) {
       joints.push_back(first + l);
@@ -128,17 +130,25 @@ class Writer {
       }
       put(binds, to_file(inverse.p));
       binds.push_back(1);
-      const Surface surface = link_surface(c.mechanism->link(static_cast<int>(l)));
-      const auto base = static_cast<std::uint32_t>(positions.size() / 3);
-      for (std::size_t i = 0; i < surface.points.size(); ++i) {
-        put(positions, to_file(X.R * surface.points[i] + X.p));
-        put(normals, unit_in_single(to_file(X.R * surface.normals[i])));
-        owners.insert(owners.end(), {static_cast<std::uint16_t>(l), 0, 0, 0});
-        weights.insert(weights.end(), {1, 0, 0, 0});
+      for (const Shape& part : c.mechanism->link(static_cast<int>(l)).shapes) {
+        if (!part.visible) continue;
+        const std::string own = shape < c.shape_colors.size() ? c.shape_colors[shape] : std::string();
+        ++shape;
+        Surface surface;
+        add_surface(part, surface);
+        const auto base = static_cast<std::uint32_t>(positions.size() / 3);
+        for (std::size_t i = 0; i < surface.points.size(); ++i) {
+          put(positions, to_file(X.R * surface.points[i] + X.p));
+          put(normals, unit_in_single(to_file(X.R * surface.normals[i])));
+          owners.insert(owners.end(), {static_cast<std::uint16_t>(l), 0, 0, 0});
+          weights.insert(weights.end(), {1, 0, 0, 0});
+        }
+        std::vector<std::uint32_t>& of_color = indices[own.empty() ? c.color : own];
+        for (const auto& t : surface.triangles)
+          for (const std::uint32_t i : t) of_color.push_back(base + i);
       }
-      for (const auto& t : surface.triangles)
-        for (const std::uint32_t i : t) indices.push_back(base + i);
     }
+    std::erase_if(indices, [](const auto& entry) { return entry.second.empty(); });
     if (indices.empty()) return;
     const int position = chunk_.floats(positions, 3, "VEC3", 34962);
     chunk_.bound(position, positions, 3);
@@ -147,15 +157,17 @@ class Writer {
                              {"JOINTS_0", chunk_.add(owners, 4, "VEC4", 5123, 34962)},
                              {"WEIGHTS_0", chunk_.floats(weights, 4, "VEC4", 34962)}};
     const std::string name = c.name.empty() ? c.id : c.name;
-    meshes_.push_back({{"name", name},
-                       {"primitives", Json::array({{{"attributes", attributes},
-                                                    {"indices", chunk_.add(indices, 1, "SCALAR", 5125, 34963)},
-                                                    {"material", materials_.size()}}})}});
-    materials_.push_back({{"name", name},
-                          {"pbrMetallicRoughness",
-                           {{"baseColorFactor", {linear(c.color, 1), linear(c.color, 3), linear(c.color, 5), 1}},
-                            {"metallicFactor", 0},
-                            {"roughnessFactor", 0.58}}}});
+    Json primitives = Json::array();
+    for (const auto& [color, list] : indices) {
+      primitives.push_back(
+          {{"attributes", attributes}, {"indices", chunk_.add(list, 1, "SCALAR", 5125, 34963)}, {"material", materials_.size()}});
+      materials_.push_back({{"name", indices.size() == 1 ? name : name + " " + color},
+                            {"pbrMetallicRoughness",
+                             {{"baseColorFactor", {linear(color, 1), linear(color, 3), linear(color, 5), 1}},
+                              {"metallicFactor", 0},
+                              {"roughnessFactor", 0.58}}}});
+    }
+    meshes_.push_back({{"name", name}, {"primitives", std::move(primitives)}});
     skins_.push_back({{"name", name}, {"joints", joints}, {"inverseBindMatrices", chunk_.floats(binds, 16, "MAT4")}});
     roots_.push_back(nodes_.size());
     nodes_.push_back({{"name", name + " surface"}, {"mesh", meshes_.size() - 1}, {"skin", skins_.size() - 1}});

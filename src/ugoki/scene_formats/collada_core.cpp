@@ -495,4 +495,10 @@ class Core {
 
 Result<std::string> collada_core(std::span<const std::byte> bytes, std::string_view location) { return Core(location).make(bytes); }
 
+int collada_up_axis(std::string_view document) {
+  const std::size_t at = document.find("<up_axis>");
+  const std::string_view axis = at == std::string_view::npos ? std::string_view("Y_UP") : document.substr(at + 9, 20);
+  return axis.find("Z_UP") != std::string_view::npos ? 2 : axis.find("X_UP") != std::string_view::npos ? 0 : 1;
+}
+
 }  // namespace ugoki::scene_formats

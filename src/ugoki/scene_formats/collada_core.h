@@ -18,4 +18,7 @@ namespace ugoki::scene_formats {
 /// @param location name of the file, for error messages
 [[nodiscard]] Result<std::string> collada_core(std::span<const std::byte> bytes, std::string_view location);
 
+/// Index of the up axis that a COLLADA document states: 0 x, 1 y, 2 z; 1 if it states none.
+[[nodiscard]] int collada_up_axis(std::string_view document);
+
 }  // namespace ugoki::scene_formats

@@ -3,45 +3,14 @@
 #include "ugoki/scene_formats/scene_file.h"
 
 #include <cstdint>
-#include <cstring>
 #include <string>
 
 #include "ugoki/formats/motion_binary.h"
+#include "ugoki/scene_formats/guarded_answer.h"
 #include "ugoki/scene_formats/guarded_call.h"
 
 namespace ugoki::scene_formats {
 namespace {
-
-/// Appends a text, preceded by its length.
-void put(std::string& out, std::string_view text) {
-  const std::uint64_t size = text.size();
-  out.append(reinterpret_cast<const char*>(&size), sizeof size);
-  out += text;
-}
-
-/// Removes a text, written by put(), from the front of `in`; false if `in` does not begin with a complete text.
-bool take(std::string_view& in, std::string_view& text) {
-  std::uint64_t size = 0;
-  if (in.size() < sizeof size) return false;
-  std::memcpy(&size, in.data(), sizeof size);
-  in.remove_prefix(sizeof size);
-  if (size > in.size()) return false;
-  text = in.substr(0, size);
-  in.remove_prefix(size);
-  return true;
-}
-
-template <class T>
-void put_number(std::string& out, T x) {
-  put(out, {reinterpret_cast<const char*>(&x), sizeof x});
-}
-template <class T>
-bool take_number(std::string_view& in, T& x) {
-  std::string_view text;
-  if (!take(in, text) || text.size() != sizeof x) return false;
-  std::memcpy(&x, text.data(), sizeof x);
-  return true;
-}
 
 /// Runs in the child process: reads the file and serialises the motions and notes, or the problems.
 std::string answer_of(std::span<const std::byte> bytes, std::string_view file_name, const SceneOptions& options) {
@@ -50,11 +19,7 @@ std::string answer_of(std::span<const std::byte> bytes, std::string_view file_na
   std::string out;
   if (!motions) {
     put_number(out, std::uint64_t{0});
-    put_number(out, std::uint64_t{motions.error().problems.size()});
-    for (const Problem& p : motions.error().problems) {
-      put_number(out, static_cast<std::uint64_t>(p.code));
-      for (const std::string* text : {&p.location, &p.message, &p.remedy}) put(out, *text);
-    }
+    put_error(out, motions.error());
     return out;
   }
   put_number(out, std::uint64_t{motions->size()});
@@ -76,18 +41,7 @@ bool parse_answer(std::string_view in, const std::string& location, Error& error
   std::uint64_t count = 0, flags = 0, remarks = 0;
   std::string_view text;
   if (!take_number(in, count)) return false;
-  if (count == 0) {
-    if (!take_number(in, remarks)) return false;
-    for (std::uint64_t i = 0; i < remarks; ++i) {
-      std::uint64_t code = 0;
-      std::string_view parts[3];
-      if (!take_number(in, code) || code > static_cast<std::uint64_t>(ErrorCode::cancelled)) return false;
-      for (std::string_view& part : parts)
-        if (!take(in, part)) return false;
-      error.add(static_cast<ErrorCode>(code), std::string(parts[0]), std::string(parts[1]), std::string(parts[2]));
-    }
-    return !error.empty();
-  }
+  if (count == 0) return take_error(in, error);
   if (!take_number(in, notes.frame_time) || !take_number(in, notes.metres_per_unit) || !take_number(in, flags) || !take_number(in, remarks))
     return false;
   notes.unit_guessed = (flags & 1) != 0;

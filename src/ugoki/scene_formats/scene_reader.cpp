@@ -386,10 +386,7 @@ Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::by
         ErrorCode::syntax, location,
         "The file cannot be read as " + std::string(fbx ? "FBX" : "COLLADA") + ": " + formats::utf8(importer.GetErrorString()) + ".",
         "Export it again, in another version of the format or as glTF or BVH.");
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const std::size_t at = dae ? text.find("<up_axis>") : std::string_view::npos;
-  const std::string_view axis = at == std::string_view::npos ? std::string_view("Y_UP") : text.substr(at + 9, 20);
-  const int up = axis.find("Z_UP") != std::string_view::npos ? 2 : axis.find("X_UP") != std::string_view::npos ? 0 : 1;
+  const int up = dae ? collada_up_axis({reinterpret_cast<const char*>(bytes.data()), bytes.size()}) : 1;
   return SceneReader(*scene, file_name, options, notes, up, mesh_ends).read();
 }
 

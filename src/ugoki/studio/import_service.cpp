@@ -45,6 +45,7 @@ const char* name_of(intake::FileKind kind) {
     case intake::FileKind::deepmimic: return "DeepMimic";
     case intake::FileKind::mechanism_json: return "Mechanism";
     case intake::FileKind::robot: return "Robot description";
+    case intake::FileKind::mesh: return "Mesh";
     default: return "Motion";
   }
 }
@@ -96,9 +97,10 @@ std::string stage_json(std::string_view id, const std::string& file, const intak
               {"travel", chosen.travel}}},
             {"characters", intake_result.characters},
             {"takes", intake_result.takes},
-            {"can", {{"unit", moves}, {"axes", intake_result.mechanism != nullptr}, {"rate", moves}}},
+            {"can", {{"unit", moves || intake_result.mesh}, {"axes", intake_result.mechanism != nullptr}, {"rate", moves}}},
             {"entries", entries_json(intake_result)},
             {"report", report_json(intake_result.conversion)}};
+  if (intake_result.mesh) j["mesh"] = {{"colors", intake_result.mesh->colors}};
   if (intake_result.mechanism) j["mechanism"] = Json::parse(mechanism_json(id, *intake_result.mechanism));
   // The height of the library entry, and not the extent of the neutral position, which depends on the pose of the file's skeleton at rest.
   if (intake_result.body) j["mechanism"]["height"] = intake_result.body->height;

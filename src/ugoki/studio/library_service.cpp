@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "ugoki/base/number.h"
+#include "ugoki/content/prop.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/intake/intake.h"
@@ -72,6 +73,7 @@ Json project_entry_json(const ProjectEntry& entry) {
               {"mass", m.mass()},
               {"height", shown_height(m)},
               {"summary", mechanism_words(m.nv(), m.mass())}});
+    if (content::is_mesh_body(m)) j["mesh"] = Json::object();
   }
   return j;
 }

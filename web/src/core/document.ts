@@ -170,7 +170,7 @@ export type Command =
   | { type: 'layer.remove'; character: string; clip: string; layer: string }
   | { type: 'layer.move'; character: string; clip: string; layer: string; at: number }
   | { type: 'key.edit'; character: string; clip: string; layer: string; take?: KeyName[]; put?: KeyPut[]; label?: string }
-  | { type: 'character.add'; mechanism?: string; prop?: Partial<Prop>; id?: string; name?: string; place?: Partial<Place>; color?: string; group?: string; control?: Partial<Control> }
+  | { type: 'character.add'; mechanism?: string; prop?: Partial<Prop>; id?: string; name?: string; place?: Partial<Place>; color?: string; shape_colors?: string[]; group?: string; control?: Partial<Control> }
   | { type: 'track.move'; character: string; at: number }
   | { type: 'pose.add'; pose: Omit<StoredPose, 'id'> & { id?: string }; at?: number }
   | { type: 'pose.set'; id: string; pose: Partial<Omit<StoredPose, 'id'>> }

@@ -24,6 +24,8 @@ export interface Material {
   metalness?: number;
   /** Colours of links by their name. */
   link_colors?: Record<string, string>;
+  /** Colours of the visible shapes, link by link; '': that of the link. */
+  shape_colors?: string[];
 }
 
 export const plain_look = {

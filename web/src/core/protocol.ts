@@ -5,6 +5,7 @@ import type { Change, Circuit } from './circuit/form';
 import type { ValuesEvent } from './circuit/live';
 import type { Command, ScenarioDocument } from './document';
 import type { InputMessage } from './play_controls';
+import type { MeshFacts } from './props';
 
 /** One problem that the service or the page reports to the user. */
 export interface Problem {
@@ -351,6 +352,8 @@ export interface LibraryEntry {
   summary?: string;
   tags?: string[] | string;
   mechanism?: string;
+  /** The mechanism is a mesh, of which props are made. */
+  mesh?: MeshFacts;
   /** Duration of a motion, s. */
   duration?: number;
   /** Frame rate of a motion, 1/s. */

@@ -4,6 +4,7 @@ import { is_typing, key_of } from '../core/keymap';
 import { imports, parts, registry, session, useStudio } from './app';
 import { Banners, Dialogs, Toasts } from './dialogs';
 import { InspectorPanel } from './InspectorPanel';
+import { place_of_drop } from './prop_actions';
 import { files_of } from './library/files';
 import { ImportDialog } from './library/ImportDialog';
 import { LibraryPanel } from './library/LibraryPanel';
@@ -209,7 +210,9 @@ export function App(): ReactElement {
       if (!event.dataTransfer?.types.includes('Files')) return;
       event.preventDefault();
       event.stopPropagation();
-      void files_of(event.dataTransfer).then((files) => imports.add(files));
+      const in_library = event.target instanceof Element && event.target.closest('.library') !== null;
+      const at = in_library || !session.state.document ? undefined : place_of_drop(event);
+      void files_of(event.dataTransfer).then((files) => imports.add(files, at));
     };
     window.addEventListener('keydown', down);
     window.addEventListener('mousedown', press);

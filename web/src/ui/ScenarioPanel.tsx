@@ -12,7 +12,7 @@ import { page, parts, plain_canvas, session, usePage, useStudio } from './app';
 import { Icon } from './icons';
 import { MarkerFlags, RangeBar } from './markers';
 import { Menu } from './Menu';
-import { insert_prop } from './prop_actions';
+import { insert_mesh_file, insert_prop } from './prop_actions';
 import { CameraTrack } from './film/CameraTrack';
 import { EventTrack } from './EventTrack';
 import { drop_target, GroupRow, Track, type DropGhost } from './tracks';
@@ -224,7 +224,7 @@ export function ScenarioPanel(): ReactElement {
             + Push
           </button>
           <button
-            type="button" className="quiet" aria-haspopup="menu" title="Add a prop: a box, ramp, stairs and others, fixed or moving"
+            type="button" className="quiet" aria-haspopup="menu" title="Add a prop: a box, ramp, stairs and others, or a mesh file; fixed or moving"
             onClick={(e) => {
               const box = e.currentTarget.getBoundingClientRect();
               set_props_menu({ x: box.left, y: box.bottom + 4 });
@@ -232,7 +232,7 @@ export function ScenarioPanel(): ReactElement {
           >
             + Prop
           </button>
-          {props_menu && createPortal(<Menu x={props_menu.x} y={props_menu.y} over label="Add a prop" close={() => set_props_menu(null)} items={prop_shapes.map((shape) => ({ label: prop_kinds[shape].name, run: () => insert_prop(shape) }))} />, document.body)}
+          {props_menu && createPortal(<Menu x={props_menu.x} y={props_menu.y} over label="Add a prop" close={() => set_props_menu(null)} items={[...prop_shapes.map((shape) => ({ label: prop_kinds[shape].name, run: () => insert_prop(shape) })), { label: 'Mesh file…', apart: true, run: insert_mesh_file }]} />, document.body)}
           <button type="button" className="quiet" title="Add a marker at the playhead  (M)" onClick={() => run('marker.add')}>
             + Marker
           </button>

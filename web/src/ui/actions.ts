@@ -14,7 +14,7 @@ import { RequestError, type ServiceError, type UsedLibrary } from '../core/proto
 import { lowest_point } from '../view/character_view';
 import { new_pose_name, store_pose } from '../core/posing/pose_library';
 import { end_tour } from './Tour';
-import { prop_commands } from './prop_actions';
+import { insert_mesh, prop_commands } from './prop_actions';
 import { add_camera, cut_here, key_view, place_camera, toggle_through } from './film/actions';
 import { access, circuit, comparer, page, parts, poser, registry, session } from './app';
 import { add_gait, body_for_gait } from './motion/gait_actions';
@@ -156,6 +156,8 @@ function standing_height(mechanism: string): number {
 
 /** Adds a character that stands on the floor at `place` (m), or beside the others if there is no room. @param motion motion of its first clip */
 export async function add_character(mechanism: string, place?: { x: number; y: number }, motion?: string): Promise<void> {
+  const mesh = session.entry(mechanism);
+  if (mesh?.mesh && !motion) return insert_mesh(mesh, place);
   if (!motion) await session.need_mechanism(mechanism);
   await turns.run(() => {
     const entry = session.entry(mechanism);

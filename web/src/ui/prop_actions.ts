@@ -1,21 +1,52 @@
 /** Commands that add props where the viewport looks. */
-import { add_prop, prop_kinds, prop_shapes, type PropShape } from '../core/props';
-import { parts, session } from './app';
+import * as THREE from 'three';
+import type { Command } from '../core/document';
+import { add_mesh_prop, add_prop, prop_kinds, prop_shapes, type PlainShape } from '../core/props';
+import type { LibraryEntry } from '../core/protocol';
+import { library, parts, session } from './app';
 
-export function insert_prop(shape: PropShape): void {
-  const { document } = session.state;
-  if (!document) return;
+const in_view = (): { x: number; y: number } => parts.viewport?.looks_at ?? { x: 0, y: 0 };
+
+async function add_and_select(make: (id: string) => Command): Promise<void> {
   const id = session.fresh_id('p');
-  const at = parts.viewport?.looks_at ?? { x: 0, y: 0 };
-  void session.edit(add_prop(document, shape, at, id)).then((done) => {
-    if (done) session.select({ kind: 'character', character: id });
-  });
+  if (await session.edit(make(id))) session.select({ kind: 'character', character: id });
 }
 
-export const prop_commands = prop_shapes.map((shape) => ({
-  id: `prop.${shape}`,
-  label: `Add prop: ${prop_kinds[shape].name.toLowerCase()}`,
-  group: 'Edit' as const,
-  enabled: (): boolean => session.state.document !== null,
-  run: (): void => insert_prop(shape),
-}));
+export function insert_prop(shape: PlainShape): void {
+  const { document } = session.state;
+  if (document) void add_and_select((id) => add_prop(document, shape, in_view(), id));
+}
+
+/** Adds a prop with the mesh of a library entry. @param at m; absent: where the viewport looks */
+export async function insert_mesh(entry: LibraryEntry, at?: { x: number; y: number }): Promise<void> {
+  const { document } = session.state;
+  if (document) await add_and_select((id) => add_mesh_prop(document, entry, at ?? in_view(), id));
+}
+
+parts.add_mesh = (id, at) => {
+  void library.find(id).then((entry) => entry && insert_mesh(entry, at));
+};
+
+/** The point on the ground under the mouse, if it is in the viewport; otherwise where the viewport looks, m. */
+export function place_of_drop(event: { clientX: number; clientY: number; target: EventTarget | null }): { x: number; y: number } {
+  const inside = event.target instanceof Element && event.target.closest('.viewport') !== null;
+  const at = inside && parts.viewport?.on_plane(event.clientX, event.clientY, new THREE.Plane(new THREE.Vector3(0, 0, 1), 0));
+  return at && at.length() < 100 ? { x: at.x, y: at.y } : in_view();
+}
+
+/** Lets the user choose a mesh file, which becomes a prop. */
+export const insert_mesh_file = (): void => parts.choose_mesh();
+export { in_view as place_in_view };
+
+const has_document = (): boolean => session.state.document !== null;
+
+export const prop_commands = [
+  ...prop_shapes.map((shape) => ({
+    id: `prop.${shape}`,
+    label: `Add prop: ${prop_kinds[shape].name.toLowerCase()}`,
+    group: 'Edit' as const,
+    enabled: has_document,
+    run: (): void => insert_prop(shape),
+  })),
+  { id: 'prop.mesh', label: 'Add prop: mesh file (GLB, OBJ, STL, PLY, DAE)…', group: 'Edit' as const, enabled: has_document, run: insert_mesh_file },
+];

@@ -45,10 +45,41 @@ function shape_geometry(shape: ShapeData, surfaces: Surfaces): THREE.BufferGeome
   return geometry.index ? geometry : mergeVertices(geometry);
 }
 
+/** Number of vertices of each shape in the geometry of a link. Stored in the geometry's `userData`. */
+export interface ShapeCounts {
+  counts: number[];
+}
+
+/**
+ * Colours of the vertices of links, 4 values each: r g b (linear), and 1 for a colour of the shape, 0 for that of the link.
+ * @param colors [visible shapes of all links] '#rrggbb'; '': the colour of the link  @param ignored links that have a colour of their own
+ */
+export function shape_colors(geometries: readonly (THREE.BufferGeometry | null)[], colors: readonly string[], ignored: (link: number) => boolean): (Float32Array | null)[] {
+  let shape = 0;
+  return geometries.map((geometry, link) => {
+    if (!geometry) return null;
+    const { counts } = geometry.userData as ShapeCounts;
+    const out = new Float32Array(4 * geometry.getAttribute('position').count);
+    let vertex = 0;
+    for (const count of counts) {
+      const color = colors[shape++];
+      if (color && !ignored(link)) {
+        const { r, g, b } = paint.set(color);
+        for (let v = vertex; v < vertex + count; v++) out.set([r, g, b, 1], 4 * v);
+      }
+      vertex += count;
+    }
+    return out;
+  });
+}
+const paint = new THREE.Color();
+
 /** One merged geometry of all shapes of a link, in the link's frame; null if the link has no shapes. */
 export function link_geometry(link: LinkData, surfaces: Surfaces): THREE.BufferGeometry | null {
   if (link.shapes.length === 0) return null;
-  const geometry = mergeGeometries(link.shapes.map((shape) => shape_geometry(shape, surfaces)));
+  const parts = link.shapes.map((shape) => shape_geometry(shape, surfaces));
+  const geometry = mergeGeometries(parts);
+  geometry.userData = { counts: parts.map((part) => part.getAttribute('position').count) } satisfies ShapeCounts;
   geometry.computeBoundingSphere();
   return geometry;
 }
@@ -133,8 +164,8 @@ export class CharacterView {
   }
 
   /** Colour and surface of the character. @param environment what metal reflects; null: nothing */
-  set_look(color: string, { roughness = 0.6, metalness = 0, link_colors }: Material, environment: THREE.Texture | null = null): void {
-    const text = JSON.stringify([color, roughness, metalness, link_colors, environment?.uuid]);
+  set_look(color: string, { roughness = 0.6, metalness = 0, link_colors, shape_colors: painted = [] }: Material, environment: THREE.Texture | null = null): void {
+    const text = JSON.stringify([color, roughness, metalness, link_colors, painted, environment?.uuid]);
     if (text === this.shown_look) return;
     this.shown_look = text;
     const names = Object.keys(link_colors ?? {});
@@ -143,6 +174,7 @@ export class CharacterView {
     this.skin?.set_tints(colors && colors.map((c) => c ?? color));
     const { plain, own, emphasised, skin } = this;
     for (const material of [plain, ...Object.values(emphasised), ...(skin ? [skin.material] : [])]) material.color.set(color);
+    this.paint_shapes(painted, color, colors);
     for (const material of [plain, ...Object.values(emphasised), ...own, ...(skin ? [skin.material] : [])]) {
       material.roughness = roughness;
       material.metalness = metalness;
@@ -153,6 +185,32 @@ export class CharacterView {
         material.needsUpdate = true;
       }
     }
+  }
+
+  /** Gives the vertices of shapes their colours. @param colors [shapes]  @param of_links colours of links; null: none */
+  private paint_shapes(colors: readonly string[], color: string, of_links: readonly (string | null)[] | null): void {
+    const on = colors.some(Boolean);
+    const materials = [this.plain, ...Object.values(this.emphasised)];
+    if (!on && !this.plain.vertexColors) return;
+    for (const material of materials) {
+      material.vertexColors = on;
+      if (on) material.color.set(0xffffff);
+      material.needsUpdate = true;
+    }
+    const painted = shape_colors(this.links.map((mesh) => mesh?.geometry ?? null), colors, (link) => Boolean(of_links?.[link]));
+    const { r, g, b } = paint.set(color);
+    this.links.forEach((mesh, link) => {
+      const values = painted[link];
+      if (!mesh || !values) return;
+      for (let i = 0; i < values.length; i += 4) if (values[i + 3] === 0) values.set([r, g, b, 1], i);
+      if (!mesh.userData.own_geometry) {
+        const shared = mesh.geometry; // other characters have other colours
+        mesh.geometry = new THREE.BufferGeometry().copy(shared);
+        mesh.geometry.userData = shared.userData;
+        mesh.userData.own_geometry = true;
+      }
+      mesh.geometry.setAttribute('color', new THREE.BufferAttribute(values, 4));
+    });
   }
 
   /** Colours links one by one. @param colors [links] colour; null: the character's own. Materials are owned by this view. */

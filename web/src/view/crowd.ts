@@ -8,9 +8,10 @@ import type { MechanismData } from '../core/protocol';
 import { body_surface } from './body_view';
 import { CrowdMember } from './crowd_member';
 import { crowd_depth, crowd_material, texel_row } from './crowd_shader';
-import { body_and_machine, rigid_surface, type CrowdSurface } from './crowd_surface';
+import { body_and_machine, rigid_surface, with_shape_colors, type CrowdSurface } from './crowd_surface';
 
 const first_capacity = 8;
+const max_painted = 16; // surfaces of a mechanism with different colours of its shapes
 
 /** A texture of `values`, four floats a texel, in rows of texel_row texels. */
 function data_texture(values: Float32Array<ArrayBuffer>): THREE.DataTexture {
@@ -37,7 +38,7 @@ class Batch {
     geometry.setIndex(surface.geometry.index);
     geometry.instanceCount = 0;
     this.uniforms = { u_links: { value: surface.links }, u_poses: { value: null }, u_marks: { value: null } };
-    this.mesh = new THREE.Mesh(geometry, crowd_material(this.uniforms));
+    this.mesh = new THREE.Mesh(geometry, crowd_material(this.uniforms, surface.geometry.hasAttribute('own_color')));
     this.mesh.customDepthMaterial = crowd_depth(this.uniforms);
     this.mesh.matrixAutoUpdate = false;
     this.mesh.frustumCulled = false; // the instances are anywhere
@@ -112,6 +113,8 @@ class Batch {
 interface Surfaces {
   body: CrowdSurface | null;
   shapes: CrowdSurface;
+  /** The shapes with colours of their own, by the colours. */
+  painted: Map<string, CrowdSurface>;
 }
 
 export class Crowd {
@@ -153,6 +156,10 @@ export class Crowd {
     member.set_look(color, material);
     if (environment && environment !== this.environment) this.environment = environment;
     this.changed ||= metal !== member.metalness > 0;
+    const surface = this.surface_of(member);
+    if (surface === member.surface) return;
+    member.surface = surface;
+    this.changed = true;
   }
 
   private surface_of(member: CrowdMember): CrowdSurface {
@@ -160,10 +167,20 @@ export class Crowd {
     let surfaces = this.surfaces.get(mechanism);
     if (!surfaces) {
       const body = body_surface(mechanism);
-      surfaces = { body: body && body_and_machine(body, mechanism, member.geometries), shapes: rigid_surface(mechanism, member.geometries) };
+      surfaces = { body: body && body_and_machine(body, mechanism, member.geometries), shapes: rigid_surface(mechanism, member.geometries), painted: new Map() };
       this.surfaces.set(mechanism, surfaces);
     }
-    return this.shapes ? surfaces.shapes : (surfaces.body ?? surfaces.shapes);
+    if (surfaces.body && !this.shapes) return surfaces.body;
+    if (member.shape_colors.length === 0) return surfaces.shapes;
+    const links = mechanism.links.map((_, link) => member.has_color(link));
+    const key = JSON.stringify([member.shape_colors, links]);
+    let painted = surfaces.painted.get(key);
+    if (!painted) {
+      if (surfaces.painted.size >= max_painted) surfaces.painted.clear(); // a slider of a colour leaves many behind
+      painted = with_shape_colors(surfaces.shapes, member.geometries, member.shape_colors, (link) => links[link]!);
+      surfaces.painted.set(key, painted);
+    }
+    return painted;
   }
 
   /** Brings the drawn objects up to date; called before each picture. */
@@ -175,6 +192,15 @@ export class Crowd {
           this.batches.set(member.surface!, pair);
           this.group.add(pair[0].mesh, pair[1].mesh);
         }
+      const drawn = new Set([...this.members].map((m) => m.surface!));
+      for (const [surface, pair] of this.batches) {
+        if (drawn.has(surface) || !surface.geometry.hasAttribute('own_color')) continue;
+        for (const batch of pair) {
+          this.group.remove(batch.mesh);
+          batch.dispose();
+        }
+        this.batches.delete(surface);
+      }
       this.lists.clear();
       for (const pair of this.batches.values()) for (const batch of pair) this.lists.set(batch, []);
       for (const member of this.members) this.lists.get(this.batches.get(member.surface!)![member.metalness > 0 ? 1 : 0])!.push(member);

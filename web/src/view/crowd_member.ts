@@ -36,6 +36,8 @@ export class CrowdMember {
   private readonly shaped: number[] = [];
   private readonly shown: Emphasis[];
   private colors: readonly (string | null)[] | null = null;
+  /** Colours of the visible shapes, link by link; '': that of the link. Empty: none has one. */
+  shape_colors: readonly string[] = [];
   private shown_look = '';
   private target: { group: THREE.Group; meshes: (THREE.Mesh | null)[] } | null = null;
   private target_is_old = true;
@@ -71,15 +73,21 @@ export class CrowdMember {
     this.pack();
   }
 
-  set_look(color: string, { roughness = 0.6, metalness = 0, link_colors }: Material): void {
-    const text = JSON.stringify([color, roughness, metalness, link_colors]);
+  set_look(color: string, { roughness = 0.6, metalness = 0, link_colors, shape_colors = [] }: Material): void {
+    const text = JSON.stringify([color, roughness, metalness, link_colors, shape_colors]);
     if (text === this.shown_look) return;
     this.shown_look = text;
     this.color.set(color);
     this.roughness = roughness;
     this.metalness = metalness;
     this.colors = link_colors && Object.keys(link_colors).length > 0 ? this.mechanism.links.map((link) => link_colors[link.name] ?? null) : null;
+    this.shape_colors = shape_colors.some(Boolean) ? shape_colors : [];
     this.fill_marks();
+  }
+
+  /** Whether a link has a colour of its own. */
+  has_color(link: number): boolean {
+    return Boolean(this.colors?.[link]);
   }
 
   /** Highlights a link. */

@@ -38,9 +38,17 @@ const looks = `
 uniform highp sampler2D u_marks;
 attribute vec3 a_color;
 attribute vec3 a_surface;
+#ifdef OWN_COLORS
+attribute vec4 own_color;
+#endif
 varying vec3 v_tint;
 varying vec2 v_glow;
 varying vec2 v_surface;
+void crowd_own() {
+#ifdef OWN_COLORS
+  v_tint = mix(v_tint, own_color.rgb, own_color.a);
+#endif
+}
 void crowd_look() {
   v_surface = a_surface.xy;
   v_tint = a_color;
@@ -59,14 +67,18 @@ void crowd_look() {
   v_tint /= sum;
 }`;
 
-/** The shaded material. Colour, roughness and metalness are attributes of the instances. */
-export function crowd_material(uniforms: CrowdUniforms): THREE.MeshStandardMaterial {
+/**
+ * The shaded material. Colour, roughness and metalness are attributes of the instances.
+ * @param own_colors true: the vertices have the attribute `own_color`: r g b (linear) and the share of it in the colour
+ */
+export function crowd_material(uniforms: CrowdUniforms, own_colors: boolean): THREE.MeshStandardMaterial {
   const material = new THREE.MeshStandardMaterial();
+  if (own_colors) material.defines = { ...material.defines, OWN_COLORS: '' };
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
     shader.vertexShader = shader.vertexShader
       .replace('#include <common>', `#include <common>${common}${looks}`)
-      .replace('#include <beginnormal_vertex>', 'vec3 crowd_position = position;\nvec3 objectNormal = normal;\ncrowd_pose(crowd_position, objectNormal);\ncrowd_look();')
+      .replace('#include <beginnormal_vertex>', 'vec3 crowd_position = position;\nvec3 objectNormal = normal;\ncrowd_pose(crowd_position, objectNormal);\ncrowd_look();\ncrowd_own();')
       .replace('#include <begin_vertex>', 'vec3 transformed = crowd_position;');
     shader.fragmentShader = shader.fragmentShader
       .replace('#include <common>', '#include <common>\nvarying vec3 v_tint;\nvarying vec2 v_glow;\nvarying vec2 v_surface;')

@@ -4,6 +4,7 @@ import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js
 import type { MechanismData } from '../core/protocol';
 import { parts_of_body } from './body_field';
 import type { BodySurface, IndexRange } from './body_surface';
+import { shape_colors } from './character_view';
 
 export interface CrowdSurface {
   /** Attributes position and normal (rest pose), skinIndex (links) and skinWeight. */
@@ -61,6 +62,22 @@ function link_parts(geometries: readonly (THREE.BufferGeometry | null)[]): THREE
     part.setAttribute('skinWeight', new THREE.BufferAttribute(Float32Array.from({ length: 4 * count }, (_, i) => (i % 4 === 0 ? 1 : 0)), 4));
     return [part];
   });
+}
+
+/** A rigid surface whose vertices have colours of their own where `colors` gives some. @param ignored see shape_colors() */
+export function with_shape_colors(surface: CrowdSurface, geometries: readonly (THREE.BufferGeometry | null)[], colors: readonly string[], ignored: (link: number) => boolean): CrowdSurface {
+  const lists = shape_colors(geometries, colors, ignored).filter((list) => list !== null);
+  const values = new Float32Array(lists.reduce((sum, list) => sum + list.length, 0));
+  let at = 0;
+  for (const list of lists) {
+    values.set(list, at);
+    at += list.length;
+  }
+  const geometry = new THREE.BufferGeometry();
+  for (const [name, attribute] of Object.entries(surface.geometry.attributes)) geometry.setAttribute(name, attribute);
+  geometry.setIndex(surface.geometry.index);
+  geometry.setAttribute('own_color', new THREE.BufferAttribute(values, 4));
+  return { ...surface, geometry };
 }
 
 /** The shapes of all links as one geometry, each vertex of which follows its link. @param geometries of the links, in their frames */

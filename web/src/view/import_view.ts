@@ -103,6 +103,11 @@ export class ImportView {
     if (this.shown) this.shown.colors = colors;
   }
 
+  /** Colours the shapes of a mesh. @param colors [shapes] '#rrggbb'; '': the usual colour */
+  color_shapes(colors: readonly string[]): void {
+    this.character_view?.set_look('#b9bdc6', { shape_colors: [...colors] });
+  }
+
   /** Colour of each link as shown. */
   get colors(): readonly (string | null)[] {
     return this.shown?.colors ?? [];

@@ -43,12 +43,13 @@ export class PreviewRenderer {
 
   /**
    * Draws a mechanism in its neutral position, or in a pose of a motion, onto `target`.
-   * @param share time within the motion, 0 ... 1  @return false if the mechanism has no shapes
+   * @param share time within the motion, 0 ... 1  @param shape_colors of a mesh  @return false if the mechanism has no shapes
    */
-  draw(mechanism: MechanismData, color: string, target: CanvasRenderingContext2D, motion?: Poses, share = 0): boolean {
+  draw(mechanism: MechanismData, color: string, target: CanvasRenderingContext2D, motion?: Poses, share = 0, shape_colors: readonly string[] = []): boolean {
     const kept = this.character_view_of(mechanism, color);
     if (!kept) return false;
     const { character_view } = kept;
+    if (shape_colors.length > 0) character_view.set_look(color, { shape_colors: [...shape_colors] });
     if (motion) {
       const at = Math.min(motion.count - 1, Math.max(0, Math.round(share * (motion.count - 1))));
       character_view.place_poses(motion.values, at * motion.links * 7, motion.links);
@@ -102,13 +103,14 @@ export class PreviewRenderer {
     const centre = box.getCenter(new THREE.Vector3());
     const long = own.x > 1.2 * own.z; // true: an animal, for example, which is longer than tall and is shown from the side
     const aspect = picture_size.width / picture_size.height;
-    const wide = Math.max(long ? size.x : Math.max(0.75 * size.x, 0.75 * size.y), 1e-3);
+    const azimuth = long ? 1.15 : 0.55;
+    const object = kept.character_view.links.length === 1; // a prop, which fills its box
+    const wide = Math.max(object ? size.x * Math.sin(azimuth) + size.y * Math.cos(azimuth) : long ? size.x : Math.max(0.75 * size.x, 0.75 * size.y), 1e-3);
     let need = 0.5 * Math.max(size.z, wide / aspect) * 1.12;
     if (moving) {
       need = Math.max(need, 0.56 * Math.max(own.z, long ? own.x / aspect : 0));
       if (own.z > size.z) centre.z = Math.max(centre.z, box.min.z + 0.5 * own.z);
     }
-    const azimuth = long ? 1.15 : 0.55;
     const distance = need / Math.tan((12 * Math.PI) / 180) + 0.3 * Math.max(size.x, size.y);
     this.camera.near = distance * 0.02;
     this.camera.far = distance * 8;

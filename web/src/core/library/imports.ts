@@ -117,6 +117,8 @@ export interface StagedFile {
   takes?: string[];
   anatomy?: Anatomy;
   mechanism?: MechanismData;
+  /** The file is a mesh without a skeleton. */
+  mesh?: { colors: string[] };
   motion?: MotionPreview;
   markers?: MarkerPreview;
 }
@@ -139,6 +141,8 @@ export interface ImportItem {
   stored: { id: string; kind: string; name: string }[];
   /** True while the file is read again with other settings. */
   rereading: boolean;
+  /** Where a mesh is added to the scenario as a prop when it is stored, m; absent: it is only stored. */
+  prop_at?: { x: number; y: number };
 }
 
 export interface ImportState {
@@ -154,8 +158,15 @@ export interface ImportHost {
   stored: (item: ImportItem) => void;
 }
 
-/** Whether a file is a companion: another file needs it (skeleton, mesh, texture), and it never becomes an entry. */
-const is_companion = (name: string): boolean => /\.(asf|stl|obj|dae|ply|bin|png|jpe?g|ya?ml|mtl)$/i.test(name);
+const meshes = /\.(stl|obj|dae|ply)$/i;
+
+/**
+ * The files of a batch that others need (skeletons, textures, and beside a robot description its meshes). They never become entries.
+ */
+function companions_among(files: readonly File[]): File[] {
+  const robot = files.some((f) => /\.(urdf|sdf|xml|xacro|osim)$/i.test(f.name));
+  return files.filter((f) => /\.(asf|bin|png|jpe?g|ya?ml|mtl)$/i.test(f.name) || (robot && meshes.test(f.name)));
+}
 
 export class ImportQueue {
   readonly store: StoreApi<ImportState> = createStore<ImportState>(() => ({ open: false, items: [], shown: null }));
@@ -175,16 +186,19 @@ export class ImportQueue {
     return this.state.items.find((i) => i.id === id);
   }
 
-  /** Adds files to the queue. Companions are sent first. The service refuses a file whose companions are missing. */
-  async add(files: readonly File[]): Promise<void> {
+  /**
+   * Adds files to the queue. Companions are sent first. The service refuses a file whose companions are missing.
+   * @param prop_at place at which meshes are added to the scenario as props, m
+   */
+  async add(files: readonly File[], prop_at?: { x: number; y: number }): Promise<void> {
     if (files.length === 0) return;
-    const companions = files.filter((f) => is_companion(f.name));
-    const main = files.filter((f) => !is_companion(f.name));
+    const companions = companions_among(files);
+    const main = files.filter((f) => !companions.includes(f));
     if (!this.state.open) this.store.setState({ items: [], shown: null });
     const items = main.map((file): ImportItem => {
       const id = this.next_id++;
       this.files.set(id, file);
-      return { id, file: file.name, size: file.size, status: 'waiting', staged: null, name: '', tags: '', problems: [], stored: [], rereading: false };
+      return { id, file: file.name, size: file.size, status: 'waiting', staged: null, name: '', tags: '', problems: [], stored: [], rereading: false, ...(prop_at ? { prop_at } : {}) };
     });
     const all = [...this.state.items, ...items];
     this.store.setState({ open: true, items: all, shown: this.state.shown ?? all[0]?.id ?? null });
@@ -202,7 +216,7 @@ export class ImportQueue {
   /** Lists a companion (skeleton, mesh) that was added alone or that cannot be read. */
   private note_companion(file: File, problems: Problem[]): void {
     const id = this.next_id++;
-    const shown = problems.length > 0 ? problems : [{ message: `${file.name} is kept for the files that need it.`, remedy: 'Add those files now: the AMC of an ASF, the robot description of a mesh.' }];
+    const shown = problems.length > 0 ? problems : [{ message: `${file.name} is kept for the files that need it.`, remedy: 'Add those files now: the AMC of an ASF, the .gltf of a .bin, the .obj of an .mtl.' }];
     const item: ImportItem = { id, file: file.name, size: file.size, status: 'refused', staged: null, name: '', tags: '', problems: shown, stored: [], rereading: false };
     this.store.setState({ items: [...this.state.items, item], shown: this.state.shown ?? id });
   }

@@ -22,6 +22,7 @@ export function format_mass(kilograms: number): string {
 
 /** The line under an entry's name. The most distinctive facts come first, because a narrow panel cuts off the end. */
 export function describe_entry(entry: LibraryEntry): string {
+  if (entry.mesh) return join_facts(['mesh', entry.mesh.size?.map((x) => format_length(x)).join(' × '), entry.mesh.triangles !== undefined && `${entry.mesh.triangles} triangles`]);
   if (entry.kind === 'mechanism') {
     return join_facts([
       entry.height !== undefined && entry.height > 0 && format_length(entry.height),

@@ -81,7 +81,7 @@ function Dialog(): ReactElement {
               });
             }}
           >
-            {item?.status === 'storing' ? 'Storing…' : 'Store in the library'}
+            {item?.status === 'storing' ? 'Storing…' : item?.prop_at && item.staged?.mesh ? 'Add as a prop' : 'Store in the library'}
           </button>
         </footer>
       </div>
@@ -244,7 +244,7 @@ function Corrections({ item, staged }: { item: ImportItem; staged: StagedFile })
           </div>
           <div className="field">
             <label htmlFor={`forward-${item.id}`}>Forward axis</label>
-            <select id={`forward-${item.id}`} title="Axis of the file along which the character looks" value={settings.forward} onChange={(e) => choose_axis('forward', e.target.value)}>
+            <select id={`forward-${item.id}`} title={staged.mesh ? 'Axis of the file that becomes the front of the prop' : 'Axis of the file along which the character looks'} value={settings.forward} onChange={(e) => choose_axis('forward', e.target.value)}>
               {axes.map(([value, name]) => (
                 <option key={value} value={value}>{name}</option>
               ))}
@@ -478,7 +478,8 @@ function Preview({ staged, busy, chosen, choose }: { staged: StagedFile; busy: b
 
   useEffect(() => {
     if (!view.current || !staged.mechanism) return;
-    view.current.color(link_colors(staged.anatomy, staged.mechanism.links.length, chosen));
+    if (staged.mesh) view.current.color_shapes(staged.mesh.colors);
+    else view.current.color(link_colors(staged.anatomy, staged.mechanism.links.length, chosen));
     view.current.on_link = (link) => choose(staged.anatomy?.limbs.find((l) => l.links.includes(link))?.limb ?? null);
   }, [staged, made, chosen, choose]);
 

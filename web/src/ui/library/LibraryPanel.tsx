@@ -5,11 +5,12 @@ import { key_of } from '../../core/library/words';
 import type { LibraryEntry } from '../../core/protocol';
 import { imports, library, parts, session, useLibrary, useStudio } from '../app';
 import { Icon } from '../icons';
+import { place_in_view } from '../prop_actions';
 import { Card, entry_actions, use_entry } from './cards';
 
 const kinds: [KindFilter, string][] = [['all', 'All'], ['mechanism', 'Mechanisms'], ['motion', 'Motions']];
 const orders: [LibraryOrder, string][] = [['newest', 'Newest'], ['oldest', 'Oldest'], ['longest', 'Longest'], ['shortest', 'Shortest']];
-export const importable = '.bvh,.asf,.amc,.c3d,.trc,.csv,.glb,.gltf,.fbx,.dae,.usda,.usd,.mvnx,.npz,.mot,.sto,.osim,.txt,.json,.urdf,.sdf,.xml,.stl,.obj,.bin';
+export const importable = '.bvh,.asf,.amc,.c3d,.trc,.csv,.glb,.gltf,.fbx,.dae,.usda,.usd,.mvnx,.npz,.mot,.sto,.osim,.txt,.json,.urdf,.sdf,.xml,.stl,.obj,.ply,.mtl,.bin';
 const look_key = 'ugoki.library.look';
 
 function stored_look(): 'list' | 'grid' {
@@ -26,9 +27,11 @@ export function LibraryPanel(): ReactElement {
   const trash = useLibrary((s) => s.trash);
   const [look, set_look] = useState(stored_look);
   const files = useRef<HTMLInputElement>(null);
+  const meshes = useRef<HTMLInputElement>(null);
   const search = useRef<HTMLInputElement>(null);
   useEffect(() => {
     parts.choose_files = () => files.current?.click();
+    parts.choose_mesh = () => meshes.current?.click();
     parts.search_library = () => {
       parts.show_panel('library');
       // the browser gives the focus to an element of a hidden panel only after the panel is shown
@@ -77,7 +80,7 @@ export function LibraryPanel(): ReactElement {
             }}
           />
         </div>
-        <button type="button" className="tool" title="Import motions and mechanisms  (Ctrl I)" aria-label="Import a file" onClick={() => files.current?.click()}>
+        <button type="button" className="tool" title="Import motions, mechanisms and meshes  (Ctrl I)" aria-label="Import a file" onClick={() => files.current?.click()}>
           <Icon name="import" />
         </button>
         <input
@@ -90,6 +93,20 @@ export function LibraryPanel(): ReactElement {
             const chosen = [...(e.target.files ?? [])];
             e.target.value = '';
             void imports.add(chosen);
+          }}
+        />
+        <input
+          ref={meshes}
+          type="file"
+          hidden
+          multiple
+          aria-hidden="true"
+          className="mesh-files"
+          accept=".glb,.gltf,.obj,.stl,.ply,.dae,.fbx,.mtl,.bin"
+          onChange={(e) => {
+            const chosen = [...(e.target.files ?? [])];
+            e.target.value = '';
+            void imports.add(chosen, place_in_view());
           }}
         />
       </div>

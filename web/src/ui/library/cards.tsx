@@ -69,7 +69,7 @@ export function Card({ entry, index, total, grid, selected, renaming, on_select,
       <span className="entry-text">
         {renaming ? <NameField entry={entry} on_done={on_renamed} /> : <span className="entry-name">{entry.name}</span>}
         <span className="entry-facts">
-          <Icon name={entry.kind === 'motion' ? 'wave' : 'character'} />
+          <Icon name={entry.kind === 'motion' ? 'wave' : entry.mesh ? 'box' : 'character'} />
           <span>{describe_entry(entry)}</span>
         </span>
         {!grid && tags.length > 0 && <span className="entry-tags">{tags.join(' · ')}</span>}

@@ -69,6 +69,7 @@ export const mechanism_data = (id: string): Promise<MechanismData> => mechanisms
 
 // ---- still pictures ----
 
+const mesh_color = '#b9bdc6';
 const drawn_here = new Map<string, string>(); // entry data id -> blob URL of a picture drawn by this page
 const undrawable = new Set<string>(); // data ids of entries whose drawing failed
 const waiting: { entry: LibraryEntry; done: (address: string | null) => void }[] = [];
@@ -148,7 +149,7 @@ async function draw(entry: LibraryEntry): Promise<Blob | null> {
     const { mechanism, poses } = await moving(entry.id);
     seen = renderer.draw(mechanism, character_color, context, poses, 0.4);
   } else {
-    seen = renderer.draw(await mechanism_data(entry.id), character_color, context);
+    seen = renderer.draw(await mechanism_data(entry.id), entry.mesh ? mesh_color : character_color, context, undefined, 0, entry.mesh?.colors);
   }
   return seen ? new Promise((resolve) => canvas.toBlob(resolve, 'image/webp', 0.86)) : null;
 }
