@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "fixture.h"
 #include "ugoki/circuit/interpreter.h"
@@ -339,6 +341,17 @@ TEST_F(RulesTest, RulesOfACharacterWithoutMotionControlHaveNoEffect) {
   document.characters[0].control.mode = ControlMode::passive;
   Player player = run(document, resources, {"KeyW"}, 0.1);
   EXPECT_FALSE(player.interpreter().find_output("rule-r1.count"));
+}
+
+/// The page reads rules back from circuits. Its tests use a document with a rule of every kind, and its circuit; both must stay in step.
+TEST(RuleCircuit, IsThatOfTheTestsOfThePage) {
+  std::ifstream file(std::string(UGOKI_WEB_TESTS) + "/rule_circuit.json");
+  ASSERT_TRUE(file);
+  const nlohmann::json sample = nlohmann::json::parse(file);
+  const Result<Scenario> scenario = read_scenario(sample["document"].dump(), "rule_circuit.json");
+  ASSERT_TRUE(scenario) << scenario.error().text();
+  EXPECT_EQ(nlohmann::json::parse(default_circuit(*scenario)), sample["circuit"])
+      << "Write the circuit of the document into web/test/rule_circuit.json, and adapt web/src/core/circuit_rules.ts.";
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
 // Journeys for rules: interactive content without wiring.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { document_of, set_mode, until } from './browser.mjs';
+import { document_of, set_mode, undo_to, until } from './browser.mjs';
 import { mock } from './service.mjs';
+import { head } from './wiring.mjs';
 
 const skip = mock && 'the mock service has no simulation';
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
@@ -120,6 +121,68 @@ export const rule_journeys = [
         await page.waitForTimeout(250);
       }
       await page.getByText('Rules make the content interactive').waitFor();
+      await page.getByRole('tab', { name: 'Scenario' }).click();
+    },
+  },
+  {
+    name: 'rules: a rule that is changed in the circuit comes back as a sentence, and one without the form of a rule is marked',
+    async run({ page }) {
+      await set_mode(page, 'Edit');
+      const before = JSON.stringify(await document_of(page));
+      const human = (await document_of(page)).characters.find((c) => c.track.length > 0);
+      await page.locator(`[data-character="${human.id}"] .track-name`).click();
+      await page.getByRole('tab', { name: 'Rules' }).click();
+      await page.getByRole('button', { name: 'While a key is held, play…' }).click();
+      await rules_become(page, (r) => r.length === 1, 'the rule');
+      const { id } = (await document_of(page)).rules[0];
+      const key = `rule-${id}-1`;
+
+      // another key, set in the circuit
+      const maximize = () => page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // or restores the panel's size
+      const select_lsi = async () => {
+        await maximize();
+        await page.waitForTimeout(500);
+        await page.locator('.circuit[role=application]').focus();
+        await page.keyboard.press('Home');
+        await page.locator(`[data-lsi="${key}"]`).waitFor();
+        await page.waitForTimeout(600);
+        const at = await head(page, key);
+        await page.mouse.click(at.x, at.y);
+      };
+      await page.getByRole('button', { name: 'Show as circuit' }).click();
+      await select_lsi();
+      await maximize();
+      const field = page.locator('.inspector').getByRole('textbox', { name: 'key' });
+      await field.fill('KeyU');
+      await field.press('Enter');
+      await until(page, async () => Boolean((await document_of(page)).circuit), 'a circuit of the project');
+      await page.getByRole('tab', { name: 'Rules' }).click();
+      const row = page.locator('.rule').first();
+      await until(page, async () => /While U is held.*changed in the circuit/.test(await row.getAttribute('aria-label')), 'the sentence of the circuit');
+      await page.screenshot({ path: `${pictures}rules-circuit.png` });
+      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+      await page.waitForTimeout(300);
+      await page.screenshot({ path: `${pictures}rules-circuit-light.png` });
+      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+
+      // its condition is removed: no sentence has this form
+      await page.getByRole('button', { name: 'Open the circuit' }).click();
+      await select_lsi();
+      await page.keyboard.press('Delete');
+      await until(page, async () => !(await document_of(page)).circuit.lsis.some((l) => l.id === key), 'the removed LSI');
+      await maximize();
+      await page.getByRole('tab', { name: 'Rules' }).click();
+      await until(page, async () => /edited in the circuit/.test(await row.getAttribute('aria-label')), 'the mark');
+      assert.equal(await page.getByRole('button', { name: 'Keep these rules' }).count(), 0);
+      await page.screenshot({ path: `${pictures}rules-circuit-own.png` });
+      await page.locator('.rules-head').click();
+      await page.keyboard.press('Control+z');
+      await until(page, async () => /changed in the circuit/.test(await row.getAttribute('aria-label')), 'the undone removal');
+
+      // the sentence becomes the rule
+      await page.getByRole('button', { name: 'Keep these rules' }).click();
+      await until(page, async () => { const d = await document_of(page); return !d.circuit && d.rules[0].if[0].key === 'KeyU'; }, 'the kept rule');
+      await undo_to(page, before);
       await page.getByRole('tab', { name: 'Scenario' }).click();
     },
   },

@@ -1,6 +1,7 @@
 /** Rules panel: sentences by falling priority, and the state machine of one character. What just happened is marked, with a count. */
-import { useEffect, useState, type DragEvent, type ReactElement } from 'react';
+import { useEffect, useMemo, useState, type DragEvent, type ReactElement } from 'react';
 import { action_character, character_for_rule, choice_path, new_condition, rule_lsi, rule_problem, rule_text, set_rule, transition_rule, type Rule } from '../../core/rules';
+import { keep_wired, wired_rules, type WiredRule } from '../../core/circuit_rules';
 import { variable_pin } from '../../core/variables';
 import type { ScenarioDocument } from '../../core/document';
 import { selected_character, shown_document } from '../../core/state';
@@ -46,6 +47,8 @@ export function RulesPanel(): ReactElement {
   const [menu, set_menu] = useState<{ x: number; y: number } | null>(null);
   const [dragged, set_dragged] = useState<string | null>(null);
   const rules = doc?.rules ?? [];
+  const wired = useMemo(() => (doc?.circuit ? wired_rules(doc.circuit, doc) : []), [doc]);
+  const kept = keep_wired(wired);
   const motion_name = (motion: string): string => session.entry(motion)?.name ?? motion;
   const selected = selection.kind === 'rule' ? rules.find((r) => r.id === selection.rule) : undefined;
   const shown = doc && character_for_rule(doc, (selected && action_character(selected.do)) || preferred || rules.flatMap((r) => (r.do.type === 'play' ? [r.do.character] : []))[0]);
@@ -73,14 +76,16 @@ export function RulesPanel(): ReactElement {
         <button type="button" className="quiet" disabled={rules.length === 0} title="Show what was generated from the rules" onClick={() => run('page.circuit')}>Show as circuit</button>
         <button type="button" className="quiet rule-new" title="Add a rule for the selected character  (R)" disabled={doc.characters.length === 0} onClick={(e) => open_menu(e.currentTarget)}>+ Rule</button>
       </div>
-      {edited && rules.length > 0 && (
+      {edited && (rules.length > 0 || wired.length > 0) && (
         <p className="rules-note" role="note">
-          The project has a circuit of its own, in which rules have no effect.
-          <button type="button" className="quiet" onClick={() => run('circuit.reset')}>Use the generated circuit</button>
+          <span>The project has a circuit of its own. The sentences are what this circuit does; change them there.</span>
+          <button type="button" className="quiet" title="Open the circuit" onClick={() => run('page.circuit')}>Open the circuit</button>
+          {kept && <button type="button" className="quiet" title="Change the rules to these sentences, and drop the circuit with everything else that was changed in it" onClick={() => void session.edit({ type: 'group', label: 'Keep rules of the circuit', commands: kept })}>Keep these rules</button>}
+          <button type="button" className="quiet" title="Drop the circuit of the project, and use the rules as they were" onClick={() => run('circuit.reset')}>Use the generated circuit</button>
         </p>
       )}
       {doc.characters.length > 0 && <VariableRow doc={doc} value_of={value_of} />}
-      {rules.length === 0 ? (
+      {rules.length === 0 && wired.length === 0 ? (
         <div className="rules-empty">
           <strong>Rules make the content interactive</strong>
           <p>“While W is held, walk.” “When the ball touches her chest, play the fall.”</p>
@@ -94,7 +99,7 @@ export function RulesPanel(): ReactElement {
       ) : (
         <div className="rules-body">
           <ol className="rule-list" aria-label="Rules by priority">
-            {rules.map((rule, i) => (
+            {edited ? wired.map((w) => <WiredRow key={w.id} doc={doc} wired={w} motion_name={motion_name} />) : rules.map((rule, i) => (
               <RuleRow
                 key={rule.id}
                 rule={rule}
@@ -116,13 +121,29 @@ export function RulesPanel(): ReactElement {
           {shown && rules.some((r) => r.do.type === 'play') && (
             <section className="rule-states" aria-label="State machine">
               <h4>States of {shown.name}</h4>
-              <Graph doc={doc} character={shown} motion_name={motion_name} now={Number.isNaN(now) ? null : now} connect={(from, to) => connect(doc, shown.id, from, to)} add_state={(entry) => add_state(shown.id, entry)} />
+              <Graph doc={edited ? { ...doc, rules: wired.flatMap((w) => (w.rule ? [w.rule] : [])) } : doc} character={shown} motion_name={motion_name} now={Number.isNaN(now) ? null : now} connect={(from, to) => connect(doc, shown.id, from, to)} add_state={(entry) => add_state(shown.id, entry)} />
             </section>
           )}
         </div>
       )}
       {menu && <Menu x={menu.x} y={menu.y} over label="New rule" close={() => set_menu(null)} items={rule_templates.map((t) => ({ label: t.label, title: t.hint, run: () => add_rule(t.id) }))} />}
     </div>
+  );
+}
+
+const wired_words: Record<WiredRule['state'], string> = { same: '', changed: 'changed in the circuit', own: 'edited in the circuit', missing: 'not in the circuit' };
+
+/** A rule of the project's own circuit: the sentence of what it does, or the rule that it was before it was edited in the circuit. */
+function WiredRow({ doc, wired: { id, state, rule, known }, motion_name }: { doc: ScenarioDocument; wired: WiredRule; motion_name: (motion: string) => string }): ReactElement {
+  const before = doc.rules?.find((r) => r.id === id);
+  const sentence = rule ?? before;
+  const word = known ? wired_words[state] : rule ? 'added in the circuit' : 'own circuit';
+  const text = sentence ? rule_text(doc, sentence, motion_name) : `The LSI “${id}”`;
+  return (
+    <li className="rule wired" aria-label={word ? `${text} (${word})` : text} data-rule={id} data-wired={state} data-off={state === 'own' || state === 'missing'}>
+      <span className="rule-sentence" title={before && state !== 'same' ? `Before: ${rule_text(doc, before, motion_name)}` : undefined}>{text}</span>
+      {word && <span className="rule-problem" role="note">{word}</span>}
+    </li>
   );
 }
 
