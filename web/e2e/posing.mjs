@@ -119,6 +119,24 @@ export const posing_journeys = [
       await until(page, async () => (await hook(page, 'undo()')).undo_label !== 'Mirror pose', 'the mirror is undone');
       await page.keyboard.press('o');
 
+      // a drag with dynamics: the trunk follows the hand, the planted foot stays; one undo step
+      await page.keyboard.press('g');
+      await page.getByRole('button', { name: 'Physics', pressed: true }).waitFor();
+      const by_hand = JSON.stringify(await document_of(page));
+      await until(page, async () => (await hook(page, 'posing()'))?.ready, 'the pose before the drag');
+      const from = await hook(page, `link_on_screen(${JSON.stringify(human.id)}, ${hand})`);
+      const links = new Set(keys_of(await layers_of(page, human.id)).map((k) => k.link));
+      await page.mouse.move(from.x, from.y);
+      await page.mouse.down();
+      await page.mouse.move(from.x + 70, from.y + 20, { steps: 6 });
+      await page.waitForTimeout(1200);
+      await page.screenshot({ path: `${pictures}pose-physics.png` });
+      await page.mouse.up();
+      await until(page, async () => JSON.stringify(await document_of(page)) !== by_hand, 'the keys of the drag with dynamics');
+      assert.ok(keys_of(await layers_of(page, human.id)).filter((k) => !links.has(k.link)).length >= 3, 'the trunk is keyed too');
+      await page.keyboard.press('Control+z');
+      await until(page, async () => JSON.stringify(await document_of(page)) === by_hand, 'one undo step');
+
       // the curves: a key is dragged, tangents, keys are removed
       await page.getByRole('tab', { name: 'Curves' }).click();
       const plot = page.locator('.curve-plot canvas');

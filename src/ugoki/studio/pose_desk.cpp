@@ -22,6 +22,8 @@ using motion_edit::KeyedLayer;
 
 constexpr double same = 1e-7;  // rad | m: joints whose coordinates differ less are unchanged
 constexpr std::size_t max_ghosts = 32, max_curves = 64;
+constexpr double max_drag_seconds = 0.1;  // s: a request of a drag with dynamics is answered within some milliseconds
+constexpr std::size_t max_drags = 8;
 constexpr int max_samples = 600;  // points of one curve: more than a panel has pixels per second of a clip
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -196,8 +198,14 @@ Json stored_joints(const Mechanism& m, std::span<const double> pose) {
   return out;
 }
 
+/// The fields of a drag with dynamics, in addition to those of a ReachEdit.
+struct DragFields {
+  std::string id;      ///< empty: no drag with dynamics
+  double seconds = 0;  ///< time since the last request of this drag
+};
+
 /// Reads the field `edit`. `q` is the present pose.
-std::optional<posing::PoseEdit> read_edit(Fields& f, const Mechanism& m, std::span<const double> q) {
+std::optional<posing::PoseEdit> read_edit(Fields& f, const Mechanism& m, std::span<const double> q, DragFields& drag) {
   const Json* object = f.find("edit");
   if (!object || object->is_null()) return {};
   Fields g(*object, f.path("edit"), f.problems());
@@ -231,8 +239,20 @@ std::optional<posing::PoseEdit> read_edit(Fields& f, const Mechanism& m, std::sp
     e.target = vector_in(g, "target");
     std::string moves = "limb";
     g.text("moves", moves);
-    if (moves != "limb" && moves != "body")
-      g.report(ErrorCode::unknown, g.path("moves"), "The value '" + moves + "' is not known.", "Use \"limb\" or \"body\".");
+    if (moves == "physics") {
+      g.require("drag", "an id of the drag, which its requests have in common");
+      g.text("drag", drag.id);
+      if (drag.id.empty() || drag.id.size() > 40)
+        g.report(ErrorCode::range, g.path("drag"), "The id of the drag has no or more than 40 bytes.", "Give a short text.");
+      g.number("seconds", drag.seconds);
+      if (!(drag.seconds >= 0 && drag.seconds <= max_drag_seconds))
+        g.report(ErrorCode::range, g.path("seconds"), "The time " + to_text(drag.seconds) + " s is out of range.",
+                 "Give a value from 0 to " + to_text(max_drag_seconds) + " s.");
+      if (e.link < 0 || e.link >= m.link_count())
+        g.report(ErrorCode::range, g.path("link"), "The mechanism has no link " + std::to_string(e.link) + ".", "Give a link's index.");
+    } else if (moves != "limb" && moves != "body") {
+      g.report(ErrorCode::unknown, g.path("moves"), "The value '" + moves + "' is not known.", "Use \"limb\", \"body\" or \"physics\".");
+    }
     e.moves = moves == "body" ? posing::Reach::body : posing::Reach::limb;
     out = e;
   } else if (type == "mirror") {
@@ -279,6 +299,22 @@ Result<const content::LayeredContent*> PoseDesk::layered(const project::Project&
     path_ = project.path();
   }
   return &*layered_;
+}
+
+Result<void> PoseDesk::drag(const project::Project& project, const MechanismPtr& mechanism, const std::string& id, BodyDragOptions options,
+                            const Vec3& target, double seconds, std::span<double> q) {
+  auto found = std::ranges::find_if(drags_, [&](const Drag& d) { return d.id == id && d.revision == project.revision(); });
+  if (found == drags_.end()) {
+    if (drags_.size() >= max_drags) drags_.erase(drags_.begin());
+    drags_.push_back({id, project.revision(), std::make_unique<BodyDrag>(mechanism, q, std::move(options))});
+    found = drags_.end() - 1;
+  }
+  if (Result<void> done = found->body->advance(target, seconds); !done) {
+    drags_.erase(found);
+    return done;
+  }
+  std::ranges::copy(found->body->q(), q.begin());
+  return {};
 }
 
 Result<std::string> PoseDesk::pose(const project::Project& project, const Json& request) {
@@ -330,9 +366,14 @@ Result<std::string> PoseDesk::pose(const project::Project& project, const Json& 
 
   std::vector<double> q = document;
   read_from(f, m, q);
-  const std::optional<posing::PoseEdit> edit = read_edit(f, m, q);
+  DragFields dragged;
+  const std::optional<posing::PoseEdit> edit = read_edit(f, m, q, dragged);
   if (!problems.empty()) return fail(std::move(problems));
-  if (edit)
+  if (const auto* reach = edit ? std::get_if<posing::ReachEdit>(&*edit) : nullptr; reach && !dragged.id.empty()) {
+    BodyDragOptions how{reach->link, reach->point, options.pins, project.scenario().ground.height};
+    if (Result<void> done = drag(project, shown.mechanism, dragged.id, std::move(how), reach->target, dragged.seconds, q); !done)
+      return fail(std::move(done.error()));
+  } else if (edit)
     if (Result<void> done = posing::edit_pose(m, *edit, options, q); !done) return fail(std::move(done.error()));
   if (!is_finite(q)) return fail(ErrorCode::range, "edit", "The edit gives values that are not finite.", "Use a smaller value.");
 

@@ -3,13 +3,16 @@
 // changed by hand, and the keys that give these poses. Never changes the project.
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "ugoki/base/result.h"
 #include "ugoki/content/layered_motions.h"
 #include "ugoki/json/json.h"
 #include "ugoki/project/project.h"
+#include "ugoki/studio/body_drag.h"
 
 namespace ugoki::studio {
 
@@ -26,10 +29,20 @@ class PoseDesk {
 
  private:
   [[nodiscard]] Result<const content::LayeredContent*> layered(const project::Project& project);
+  /// Continues the drag `id`, or begins it at `q`. @param q [nq, in and out]
+  [[nodiscard]] Result<void> drag(const project::Project& project, const MechanismPtr& mechanism, const std::string& id,
+                                  BodyDragOptions options, const Vec3& target, double seconds, std::span<double> q);
 
   std::string path_;  ///< project and revision to which layered_ belongs
   std::uint64_t revision_ = 0;
   std::optional<content::LayeredContent> layered_;  ///< the document with all layers applied
+  /// A drag with dynamics, which several requests continue.
+  struct Drag {
+    std::string id;
+    std::uint64_t revision = 0;  ///< of the project; a changed project begins a new drag
+    std::unique_ptr<BodyDrag> body;
+  };
+  std::vector<Drag> drags_;  ///< the latest ones, oldest first
 };
 
 }  // namespace ugoki::studio

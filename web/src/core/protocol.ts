@@ -262,6 +262,8 @@ export type PoseEdit =
   | { type: 'turn'; link: number; axis: Vec3; angle: number }
   | { type: 'set'; link: number; dof: number; value: number }
   | { type: 'reach'; link: number; point: Vec3; target: Vec3; moves: 'limb' | 'body' }
+  /** A drag with dynamics: its requests have the id `drag` in common. `seconds`: time since the last one, at most 0.1. */
+  | { type: 'reach'; link: number; point: Vec3; target: Vec3; moves: 'physics'; drag?: string; seconds?: number }
   | { type: 'mirror' }
   /** Moves joints towards a stored pose. `links`: names of the links whose joints move; absent: all. */
   | { type: 'pose'; share: number; joints: { link: string; q: number[] }[]; mirror?: boolean; links?: string[] };

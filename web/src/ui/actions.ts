@@ -413,7 +413,7 @@ const pose_commands: AppCommand[] = [
   { id: 'pose.key', label: 'Key the selected joint', group: 'Pose', industry: ['S'], blender: ['I'], enabled: posing, run: () => void poser.key_links(posed_link()) },
   { id: 'pose.key_all', label: 'Key the whole character', group: 'Pose', industry: ['Shift+S'], blender: ['Shift+K'], enabled: posing, run: () => void poser.key_links(null) },
   { id: 'pose.auto_key', label: 'Auto-key: every change of a pose sets keys', group: 'Pose', enabled: () => poser.state.on, run: () => poser.set_auto_key(!poser.state.auto_key) },
-  { id: 'pose.moves', label: 'Drag moves the limb or the whole body', group: 'Pose', keys: ['G'], enabled: () => poser.state.on, run: () => poser.set_moves(poser.state.moves === 'limb' ? 'body' : 'limb') },
+  { id: 'pose.moves', label: 'Drag moves the limb, the whole body, or the body with dynamics', group: 'Pose', keys: ['G'], enabled: () => poser.state.on, run: () => poser.set_moves(({ limb: 'body', body: 'physics', physics: 'limb' } as const)[poser.state.moves]) },
   { id: 'pose.pin', label: 'Pin the selected link, or remove its pin', group: 'Pose', keys: ['P'], enabled: () => posing() && typeof parts.posing?.link === 'number', run: () => poser.toggle_pin(poser.state.target!.character, parts.posing!.link!) },
   { id: 'pose.store', label: 'Store the pose of the selected character', group: 'Pose', keys: ['Alt+P'], enabled: () => selected_character(state()) !== null, run: () => void store_pose_of_selection() },
   { id: 'pose.mirror', label: 'Mirror the pose', group: 'Pose', keys: ['Shift+M'], enabled: posing, run: () => void poser.apply({ type: 'mirror' }, 'Mirror pose') },

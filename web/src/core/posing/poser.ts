@@ -16,11 +16,13 @@ export interface PoseTarget {
   time: number;
 }
 
+export type Moves = 'limb' | 'body' | 'physics';
+
 export interface PoserState {
   /** True: presses in the viewport pose characters. */
   on: boolean;
-  /** Joints that move while a link is dragged: those of its limb, or all, with pinned links held. */
-  moves: 'limb' | 'body';
+  /** The parts that move while a link is dragged: its limb; the whole body, with pinned links held; or the body as a body, by dynamics. */
+  moves: Moves;
   /** True: every change of a pose sets keys at once. */
   auto_key: boolean;
   /** The layer of each clip that gets the keys; absent: the last one. */
@@ -44,6 +46,9 @@ export interface PoserState {
 const frame_wait = 700; // ms after which the frames are drawn again, if the service sends no new frame
 const ghost_distance = 0.26; // s, between the posed time and its ghosts
 const ready_wait = 2500; // ms, maximum time until the pose of a new target is known
+const live_wait = 12; // ms between two requests of a drag with dynamics while the mouse rests
+const max_drag_step = 0.05; // s that one request simulates, so that a slow computer slows the body down instead of the answers
+const page_id = Math.random().toString(36).slice(2, 12);
 const default_ease = 0.3; // s, fade of a new layer
 
 /** The clip of a character that plays at `time`: the last one that has begun and has not ended. In a cross-fade this is the later clip. */
@@ -70,6 +75,10 @@ export class Poser {
   private base: PoseReply['changed'] = [];
   private before_drag: PoseReply | null = null;
   private next: { edit: PoseEdit; free: boolean } | null = null;
+  /** The last edit of a drag with dynamics: the body goes on moving while the mouse rests. */
+  private live: { edit: PoseEdit; free: boolean } | null = null;
+  private drag_id = '';
+  private drags = 0;
   private running: Promise<void> | null = null;
   /** Increases with every target, so that late answers for older targets are ignored. */
   private round = 0;
@@ -104,7 +113,7 @@ export class Poser {
     }
     this.update();
   }
-  set_moves(moves: 'limb' | 'body'): void {
+  set_moves(moves: Moves): void {
     this.set({ moves });
   }
   set_auto_key(auto_key: boolean): void {
@@ -215,6 +224,8 @@ export class Poser {
     }
     this.base = this.state.pending ? reply.changed : [];
     this.before_drag = reply;
+    this.live = null;
+    this.drag_id = `${page_id}-${++this.drags}`;
     this.set({ dragging: true });
     return true;
   }
@@ -236,23 +247,32 @@ export class Poser {
   /** Changes the pose, relative to that at the beginning of the drag. Of calls that come faster than answers, only the last is computed. */
   drag(edit: PoseEdit, free = false): void {
     this.next = { edit, free };
+    if (edit.type === 'reach' && edit.moves === 'physics') this.live = this.next;
     this.running ??= this.run().finally(() => (this.running = null));
   }
 
   private async run(): Promise<void> {
-    while (this.next && this.state.target) {
-      const { edit, free } = this.next;
+    let last = performance.now();
+    for (let job = this.next; job && this.state.target; job = this.next ?? this.live) {
       const { target } = this.state;
       this.next = null;
       const round = this.round;
+      const now = performance.now();
+      const { free } = job;
+      const seconds = Math.min(max_drag_step, (now - last) / 1000);
+      last = now;
+      const edit: PoseEdit = job.edit.type === 'reach' && job.edit.moves === 'physics' ? { ...job.edit, drag: this.drag_id, seconds } : job.edit;
       const reply = (await this.ask({ ...this.request(target), from: this.base, edit, free })) as unknown as PoseReply | null;
       if (round !== this.round || !this.state.dragging) return;
-      if (reply) this.set({ reply, pending: reply.changed.length > 0, shown: { character: target.character, links: reply.links } });
+      if (!reply) this.live = null;
+      else this.set({ reply, pending: reply.changed.length > 0, shown: { character: target.character, links: reply.links } });
+      if (this.live && !this.next) await new Promise((resolve) => setTimeout(resolve, live_wait));
     }
   }
 
   /** Ends a drag: sets keys, or without auto-key keeps the pose until it is keyed or the playhead moves. */
   async finish(label: string): Promise<void> {
+    this.live = null;
     while (this.running) await this.running;
     if (!this.state.dragging) return;
     this.set({ dragging: false });
@@ -263,7 +283,7 @@ export class Poser {
   cancel(): void {
     const { dragging, target } = this.state;
     if (!dragging || !target) return;
-    this.next = null;
+    this.next = this.live = null;
     const reply = this.before_drag;
     this.set({ dragging: false, reply, pending: this.base.length > 0, shown: reply && this.base.length > 0 ? { character: target.character, links: reply.links } : null });
   }

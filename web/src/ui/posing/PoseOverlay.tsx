@@ -58,6 +58,7 @@ export function PoseTools(): ReactElement | null {
           <span className="segments" role="group" aria-label="Drag moves">
             <button type="button" aria-pressed={moves === 'limb'} title={`A drag moves the limb of the dragged link${key_hint('pose.moves')}`} onClick={() => poser.set_moves('limb')}>Limb</button>
             <button type="button" aria-pressed={moves === 'body'} title={`A drag moves the whole body; pinned links keep their place${key_hint('pose.moves')}`} onClick={() => poser.set_moves('body')}>Body</button>
+            <button type="button" aria-pressed={moves === 'physics'} title={`The body follows the hand as a body: with inertia, joints that resist, limits, and the floor; pinned links are held${key_hint('pose.moves')}`} onClick={() => poser.set_moves('physics')}>Physics</button>
           </span>
           <button type="button" disabled={!target} title={`Mirror the pose${key_hint('pose.mirror')}`} onClick={() => run('pose.mirror')}><Icon name="mirror" /> Mirror</button>
           <button type="button" disabled={!target} title={`Key the selected joint${key_hint('pose.key')}; the whole character${key_hint('pose.key_all')}`} onClick={() => run('pose.key')}><Icon name="key" /> Key</button>
@@ -177,13 +178,13 @@ export function PoseHandles({ viewport }: { viewport: Viewport }): ReactElement 
             key={link}
             type="button"
             data-link={link}
-            data-pinned={pin && moves === 'body'}
+            data-pinned={pin && moves !== 'limb'}
             data-selected={link === selected}
             aria-label={`${name}${pin ? ', pinned' : ''}`}
             title={`${name}: drag to move${pin ? '; pinned while the body moves' : ''}`}
             onPointerDown={(event) => drag_handle(event, viewport, mechanism, target.character, link)}
           >
-            <Icon name={pin && moves === 'body' ? 'pin' : 'move'} />
+            <Icon name={pin && moves !== 'limb' ? 'pin' : 'move'} />
           </button>
         );
       })}
