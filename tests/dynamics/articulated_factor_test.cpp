@@ -117,6 +117,84 @@ TEST(ArticulatedFactor, WhitensRowsLikeTheSparseFactor) {
     }
   }
 }
+/// A free body with a turned joint, an off-centre centre of mass and random principal axes.
+MechanismPtr free_body(RandomSource& random) {
+  MechanismSpec spec;
+  LinkSpec link;
+  link.name = "body";
+  link.joint.type = JointType::floating;
+  link.joint.X_PJ = {to_matrix(exp_map(random.vec(2))), random.vec(1)};
+  const Mat3 R = to_matrix(exp_map(random.vec(2)));
+  link.inertia = Inertia::from_centre(random.uniform(0.1, 5), random.vec(0.5), rotated(Sym3{1, 1.5, 2, 0, 0, 0}, R));
+  spec.links.push_back(link);
+  return Mechanism::make(spec).value();
+}
+
+// The second method is the sparse factor of the inertia matrix, and for whiten_velocity() the identity y . w = J v.
+TEST(ArticulatedFactor, FreeBodyHasTheSparseFactorInClosedForm) {
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomSource random(seed);
+    const MechanismPtr m = free_body(random);
+    ASSERT_TRUE(FreeBodyFactor::applies_to(*m));
+    Workspace ws(*m);
+    State s(*m);
+    randomize(random, *m, s);
+    update_kinematics(*m, s.q, s.v, ws);
+    calc_inertia_rows(*m, ws);
+    ASSERT_EQ(dynamics::factor(ws, {}), -1);
+    ArticulatedFactor factor(*m);
+    ASSERT_EQ(factor.factor(ws, std::vector<double>(6)), -1);
+    for (std::size_t k = 0; k < 6; ++k) {
+      EXPECT_NEAR(factor.inverse_pivot(k) / ws.D_inverse[k], 1, 1e-12);
+      EXPECT_NEAR(factor.pivot(k) * ws.D_inverse[k], 1, 1e-12);
+    }
+    std::vector<double> x(6), v(6), w(6), row(6);
+    for (std::size_t k = 0; k < 6; ++k) x[k] = random.uniform(-1, 1), v[k] = random.uniform(-1, 1);
+    std::vector<double> a = x, b = x;
+    factor.solve(a);
+    solve(ws, b);
+    expect_near(a, b, 1e-12, "solution");
+    Vec6 f[3];
+    for (Vec6& wrench : f) wrench = {random.vec(1), random.vec(1)};
+    std::vector<double> y(24, NAN);
+    factor.whiten_wrenches(5, f, y.data());
+    factor.whiten_velocity(v, w);
+    for (std::size_t r = 0; r < 3; ++r) {
+      double velocity = 0, whitened = 0;
+      for (std::size_t k = 0; k < 6; ++k) {
+        row[k] = dot(f[r], ws.S[k]);
+        velocity += row[k] * v[k];
+        whitened += y[4 * k + r] * w[k];
+        EXPECT_EQ(y[4 * k + 3], 0);
+      }
+      EXPECT_NEAR(velocity, whitened, 1e-12);
+      apply_inverse_transposed_factor(ws, 5, row);
+      for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(y[4 * k + r], row[k] * std::sqrt(ws.D_inverse[k]), 1e-12);
+    }
+    // J M^-1 J^T of one row on all DOFs, and the velocity change of a unit impulse along it.
+    factor.whiten_row(5, x, y.data());
+    std::vector<double> change(6), lane(6);
+    for (std::size_t k = 0; k < 6; ++k) lane[k] = y[4 * k];
+    factor.add_whitened(lane, change);
+    expect_near(change, b, 1e-12, "velocity change");
+    // Moments alone, as for rolling resistance: rows on the rotations only.
+    for (Vec6& wrench : f) wrench.v = {};
+    std::vector<double> short_y(12, NAN);
+    factor.whiten_wrenches(2, f, short_y.data());
+    factor.whiten_wrenches(5, f, y.data());
+    for (std::size_t e = 0; e < 12; ++e) EXPECT_EQ(short_y[e], y[e]);
+    // With a damper the recursion takes over.
+    const std::vector<double> extra = {0.1, 0, 0, 0, 0.2, 0};
+    ASSERT_EQ(factor.factor(ws, extra), -1);
+    calc_inertia_rows(*m, ws);
+    ASSERT_EQ(dynamics::factor(ws, extra), -1);
+    a = b = x;
+    factor.solve(a);
+    solve(ws, b);
+    expect_near(a, b, 1e-12, "solution with damping");
+  }
+}
 
 TEST(ArticulatedFactor, NamesTheDofThatMovesNoInertia) {
   MechanismSpec spec;

@@ -203,6 +203,36 @@ TEST(ClosedLinks, PositionProjectionClosesLoopsToRounding) {
   EXPECT_LE(hard, 4) << "near a singular configuration Newton's method may not converge";
 }
 
+// project_position() is the second method: it factors the closed system at the final position as well.
+TEST(ClosedLinks, ClosingWithoutTheFinalFactorGivesTheSamePosition) {
+  int closed_loops = 0;
+  for (unsigned seed = 1; seed < 60; ++seed) {
+    RandomLoops c(seed);
+    RandomSource random(seed + 7);
+    std::vector<double> away(c.state.v.size());
+    for (double& x : away) x = random.uniform(-0.02, 0.02);
+    integrate(*c.m, c.state.q, away, 1, c.state.q);
+    std::vector<char> closed(c.loops.size());  // two loops: with all of them, rounding leaves gaps of 1e-12
+    for (int i = 0; i < 2; ++i) closed[static_cast<std::size_t>(random.below(static_cast<int>(closed.size())))] = 1;
+    closed.back() = 0;
+    ClosedLinks with_factor(*c.m, c.loops, closed), without(*c.m, c.loops, closed);
+    Workspace ws(*c.m), other(*c.m);
+    std::vector<double> q(c.state.q.begin(), c.state.q.end());
+    double gap = 0, other_gap = 0;
+    const ClosedStatus status = project_position(*c.m, ws, with_factor, c.state.q, c.state.v, gap);
+    if (status != ClosedStatus::ok) continue;
+    ++closed_loops;
+    EXPECT_EQ(close_position(*c.m, other, without, q, c.state.v, other_gap), status);
+    EXPECT_LT(other_gap, 1e-13) << "seed " << seed;
+    for (std::size_t i = 0; i < q.size(); ++i) EXPECT_NEAR(q[i], c.state.q[i], 1e-13) << "seed " << seed;
+    // The gaps at the returned position, from new kinematics.
+    update_kinematics(*c.m, q, c.state.v, other);
+    ASSERT_EQ(factor_closed_links(*c.m, other, without, q, c.state.v), ClosedStatus::ok);
+    EXPECT_LT(max_gap(without), 1e-13) << "seed " << seed;
+  }
+  EXPECT_GT(closed_loops, 20);
+}
+
 /// A planar four-bar linkage, cut at its last pin. The cut is closed by a virtual link or by a loop.
 MechanismSpec four_bar(bool virtual_link) {
   MechanismSpec spec;

@@ -201,7 +201,8 @@ class Stepper {
   void add_grip(const Grip& grip, double dt);
   void take_grip_forces(double dt);
   void solve_loops(std::size_t s, const StepSystem& system, double dt);
-  double make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y, double& terms);
+  void make_loop_basis(std::size_t s, const StepSystem& system, double dt);
+  void make_loop_rows(std::size_t s, int loop, std::span<double> y, std::span<double> terms);
   void close_loops(std::size_t s, StepSystem& system);
 
   struct SystemScratch {
@@ -237,11 +238,14 @@ class Stepper {
       dynamics::LoopRows rows;
       dynamics::Workspace ws;       // working memory for closing the positions
       std::vector<double> basis;    // [rank * nv] orthonormal basis of the whitened loop rows; [rows * nv] during orthogonalisation
-      std::vector<double> target;   // [rows] required component of w along each basis vector
+      std::vector<double> target;   // [rows] component of w along each basis vector that closes the loops
       std::vector<double> minimum;  // [rows] squared row length below which the row is numerically zero
       std::vector<double> sparse;   // [4 * nv] scratch for up to three rows with entries on one chain only
       std::vector<double> impulse;  // [nv] whitened impulse of the loops
+      std::vector<double> w;        // [nv] whitened velocity
+      std::vector<double> parts;    // [4 * rows] components of up to three rows along the basis
       int rank = 0;
+      bool has_basis = false;       // basis, rank and target are those of the present position
     };
     std::unique_ptr<Loops> loops;      // null: the mechanism has no closed loop
     std::unique_ptr<TreeIsland> tree;  // null: the system is small, or TreeIsland cannot treat its joints

@@ -51,7 +51,10 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt) {
   SystemScratch& x = scratch_[s];
   const std::size_t n = x.free_v.size();
   if (n == 0) return;
-  if (x.loops) dynamics::share_virtual_inertias(x.loops->links, ws);
+  if (x.loops) {
+    dynamics::share_virtual_inertias(x.loops->links, ws);
+    x.loops->has_basis = false;
+  }
   const bool servo = !system.servo_gain.empty();
   for (std::size_t i = 0; i < n; ++i) {
     x.extra[i] = dt * (ws.dofs[i].damping + dt * ws.dofs[i].stiffness);

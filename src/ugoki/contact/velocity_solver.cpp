@@ -71,9 +71,13 @@ void VelocitySolver::end_block(std::span<const double> target, std::span<const d
   // The lower triangle of Y Y^T in lanes: products with rows 0, 1 and 2.
   RowLanes sums[3] = {};
   const auto add = [&](const double* x, const double* y, int length) {
+    if (b.rows == 1) {
+      for (int e = 0; e < length; ++e) sums[0] += x[4 * e] * row_lanes(y, e);
+      return;
+    }
     for (int e = 0; e < length; ++e) {
       const RowLanes lanes = row_lanes(y, e);
-      for (int r = 0; r < b.rows; ++r) sums[r] += x[4 * e + r] * lanes;
+      for (int r = 0; r < 3; ++r) sums[r] += x[4 * e + r] * lanes;
     }
   };
   const auto values = [&](const RowSegment& x) { return rows_.data() + x.offset; };

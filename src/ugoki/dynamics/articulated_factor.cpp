@@ -1,5 +1,6 @@
 #include "ugoki/dynamics/articulated_factor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -20,6 +21,7 @@ inline double product(const double* a, const double* b) {
 
 ArticulatedFactor::ArticulatedFactor(const Mechanism& m) {
   const auto n = static_cast<std::size_t>(m.nv());
+  if (FreeBodyFactor::applies_to(m)) body_.emplace(m);
   dofs_.resize(n);
   sweep_.resize(6 * n);
   std::vector<int> moved_by(static_cast<std::size_t>(m.link_count()), -1);
@@ -61,6 +63,8 @@ ArticulatedFactor::ArticulatedFactor(const Mechanism& m) {
 int ArticulatedFactor::factor(const Workspace& ws, std::span<const double> extra) {
   const std::size_t n = dofs_.size();
   UGOKI_CHECK(ws.S.size() == n && (extra.empty() || extra.size() == n));
+  closed_form_ = body_ && std::ranges::all_of(extra, [](double x) { return x == 0; });
+  if (closed_form_) return body_->factor(ws);
   for (std::size_t shared = 0; shared < IA_.size(); ++shared) {
     const auto k = static_cast<std::size_t>(inertia_dof_[shared]);
     double* const A = IA_[shared].x;
@@ -123,6 +127,7 @@ int ArticulatedFactor::factor(const Workspace& ws, std::span<const double> extra
 }
 
 void ArticulatedFactor::solve(std::span<double> x) const {
+  if (closed_form_) return body_->solve(x);
   const std::size_t n = dofs_.size();
   UGOKI_CHECK(x.size() == n);
   double* const at = sweep_.data();
@@ -149,6 +154,7 @@ void ArticulatedFactor::solve(std::span<double> x) const {
 }
 
 void ArticulatedFactor::whiten_wrenches(int last, const Vec6* f, double* y) const {
+  if (closed_form_) return body_->whiten_wrenches(last, f, y);
   Four w[6] = {{f[0].w.x, f[1].w.x, f[2].w.x, 0}, {f[0].w.y, f[1].w.y, f[2].w.y, 0}, {f[0].w.z, f[1].w.z, f[2].w.z, 0},
                {f[0].v.x, f[1].v.x, f[2].v.x, 0}, {f[0].v.y, f[1].v.y, f[2].v.y, 0}, {f[0].v.z, f[1].v.z, f[2].v.z, 0}};
   for (int k = last; k >= 0;) {
@@ -162,6 +168,7 @@ void ArticulatedFactor::whiten_wrenches(int last, const Vec6* f, double* y) cons
 }
 
 void ArticulatedFactor::whiten_row(int last, std::span<const double> tail, double* y) const {
+  if (closed_form_) return body_->whiten_row(last, tail, y);
   double f[6] = {};
   std::size_t left = tail.size();
   for (int k = last; k >= 0;) {
@@ -177,6 +184,7 @@ void ArticulatedFactor::whiten_row(int last, std::span<const double> tail, doubl
 }
 
 void ArticulatedFactor::add_whitened(std::span<const double> w, std::span<double> v) const {
+  if (closed_form_) return body_->add_whitened(w, v);
   const std::size_t n = dofs_.size();
   UGOKI_CHECK(w.size() == n && v.size() == n);
   double* const at = sweep_.data();
@@ -196,6 +204,7 @@ void ArticulatedFactor::add_whitened(std::span<const double> w, std::span<double
 }
 
 void ArticulatedFactor::whiten_velocity(std::span<const double> v, std::span<double> w) const {
+  if (closed_form_) return body_->whiten_velocity(v, w);
   const std::size_t n = dofs_.size();
   UGOKI_CHECK(w.size() == n && v.size() == n);
   double* const at = sweep_.data();

@@ -7,12 +7,15 @@
 // Products with L^-1 and L^-T are recursions along the tree. These recursions need 12 multiplications per DOF; the sparse L needs one for
 // each ancestor of each DOF. The DOFs of one joint are eliminated one after the other, as if massless links connected them.
 // All spatial vectors are in world axes about Workspace::p0, angular part first.
+// A mechanism that is one free body has the same factor in closed form (free_body_factor.h).
 // Sources: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 7; Rodriguez, Jain, Kreutz-Delgado (1991), A spatial operator algebra
 // for manipulator modeling and control (the factor of M by articulated bodies).
 
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "ugoki/dynamics/free_body_factor.h"
 #include "ugoki/dynamics/workspace.h"
 
 namespace ugoki::dynamics {
@@ -47,9 +50,9 @@ class ArticulatedFactor {
   void whiten_velocity(std::span<const double> v, std::span<double> w) const;
 
   /// D of DOF k, kg | kg m^2.
-  [[nodiscard]] double pivot(std::size_t k) const { return dofs_[k].pivot; }
+  [[nodiscard]] double pivot(std::size_t k) const { return closed_form_ ? body_->pivot(k) : dofs_[k].pivot; }
   /// 1 / D of DOF k, 1/kg | 1/(kg m^2).
-  [[nodiscard]] double inverse_pivot(std::size_t k) const { return dofs_[k].inverse; }
+  [[nodiscard]] double inverse_pivot(std::size_t k) const { return closed_form_ ? body_->inverse_pivot(k) : dofs_[k].inverse; }
 
  private:
   struct Dof {
@@ -67,6 +70,8 @@ class ArticulatedFactor {
   std::vector<Inertia6> IA_;           // [shared] articulated-body inertias
   std::vector<int> inertia_of_;        // [nv] index in IA_ of each DOF
   std::vector<int> inertia_dof_;       // [shared] DOF closest to the tips that uses the inertia
+  std::optional<FreeBodyFactor> body_;  // empty: not one free body
+  bool closed_form_ = false;            // the last factor is that of body_: nothing was added to the diagonal
   mutable std::vector<double> sweep_;  // [nv * 6] forces or accelerations during a recursion
 };
 

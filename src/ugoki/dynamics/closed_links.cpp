@@ -133,10 +133,21 @@ void solve_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, 
   solver.solve(r, false, {}, x);
 }
 
-ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q, std::span<const double> v,
-                              double& gap, int limit) {
+namespace {
+
+/// project_position() and close_position(). @param keep_factor false: kinematics and factor need not be those of the final q
+ClosedStatus close_loops(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q, std::span<const double> v,
+                         double& gap, int limit, bool keep_factor) {
   double last = HUGE_VAL, dependent = std::max(dependent_row, dependent_correction * closed.typical_pivot_ratio());
   for (int step = 0;; ++step) {
+    // One Newton step usually closes the gaps. To see this, the poses and the independent rows of the last factor are sufficient.
+    if (step > 0 && !keep_factor) {
+      calc_poses(m, q, ws.X_WB);
+      ws.p0 = ws.X_WB[0].p;
+      ClosedSolver::update_rows(m, ws, closed, q, v);
+      gap = max_gap(closed);
+      if (gap <= 4e-16 * (1 + extent(ws))) return ClosedStatus::ok;
+    }
     update_kinematics(m, q, v, ws);
     if (factor_closed_links(m, ws, closed, q, v, dependent) != ClosedStatus::ok) return ClosedStatus::singular_inertia;
     gap = max_gap(closed);
@@ -152,6 +163,18 @@ ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& cl
     solver.residual_of_position();
     integrate(m, q, solver.correct(), 1.0, q);
   }
+}
+
+}  // namespace
+
+ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q, std::span<const double> v,
+                              double& gap, int limit) {
+  return close_loops(m, ws, closed, q, v, gap, limit, true);
+}
+
+ClosedStatus close_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q, std::span<const double> v,
+                            double& gap, int limit) {
+  return close_loops(m, ws, closed, q, v, gap, limit, false);
 }
 
 void ClosedLinks::note_rank() {

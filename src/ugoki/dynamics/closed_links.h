@@ -173,6 +173,10 @@ void solve_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, 
 [[nodiscard]] ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q,
                                             std::span<const double> v, double& gap, int limit = 20);
 
+/// project_position() for callers that need only q. Kinematics and factor are usually those of the position before the last Newton step.
+[[nodiscard]] ClosedStatus close_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q,
+                                          std::span<const double> v, double& gap, int limit = 20);
+
 /// Divides the inertia of each real link in ws.I equally among the link and its massless virtual links (see InertiaShare and
 /// docs/design/closed-links.md). factor_closed_links() uses the same shares internally. Methods that run their own recursion over the tree
 /// call this function after update_kinematics().

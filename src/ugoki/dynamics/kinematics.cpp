@@ -60,10 +60,28 @@ void update_link(const Mechanism& m, std::size_t i, std::span<const double> q, s
   ws.C[i] = C;
 }
 
+/// update_link() for a mechanism that is one free body. The motion subspace is exact: rotation about the body's axes, translation along the
+/// joint's axes.
+void update_free_body(const Link& link, std::span<const double> q, std::span<const double> v, Workspace& ws) {
+  const Mat3& T = link.joint.X_PJ.R;
+  const Pose X_WB = link.joint.X_PJ * joint_pose(link.joint, q.data());
+  ws.p0 = X_WB.p;
+  ws.X_WB[0] = X_WB;
+  for (int k = 0; k < 3; ++k) {
+    ws.S[static_cast<std::size_t>(k)] = {X_WB.R.column(k), {}};
+    ws.S[static_cast<std::size_t>(k) + 3] = {{}, T.column(k)};
+  }
+  const Vec6 V{X_WB.R * Vec3{v[0], v[1], v[2]}, T * Vec3{v[3], v[4], v[5]}};
+  ws.V[0] = V;
+  ws.C[0] = {{}, -cross(V.w, V.v)};
+  ws.I[0] = {link.inertia.mass, X_WB.R * link.inertia.h, rotated(link.inertia.I, X_WB.R)};
+}
+
 }  // namespace
 
 void update_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, Workspace& ws) {
   UGOKI_CHECK(static_cast<int>(q.size()) == m.nq() && static_cast<int>(v.size()) == m.nv());
+  if (ws.X_WB.size() == 1 && m.link(0).joint.type == JointType::floating) return update_free_body(m.link(0), q, v, ws);
   for (std::size_t i = 0; i < ws.X_WB.size(); ++i) {
     update_link(m, i, q, v, ws);
     ws.I[i] = m.links()[i].inertia.in_parent({ws.X_WB[i].R, ws.X_WB[i].p - ws.p0});
