@@ -138,12 +138,11 @@ export const assist_force = (frame: Frame, character: CharacterFrame): [number, 
 export const assist_over_cap = (frame: Frame, character: CharacterFrame): number => frame.floats[character.data + 6]!;
 /** Body weight of a character, N. */
 export const body_weight = (frame: Frame, character: CharacterFrame): number => frame.floats[character.data + 7]!;
-/** Centre of mass of a character, world frame, m. */
-export const centre_of_mass = (frame: Frame, character: CharacterFrame): [number, number, number] => [
-  frame.floats[character.data + 8]!,
-  frame.floats[character.data + 9]!,
-  frame.floats[character.data + 10]!,
-];
+/** Centre of mass of a character, world frame, m; without mass (fixed props) the origin of its first link. */
+export const centre_of_mass = (frame: Frame, character: CharacterFrame): [number, number, number] => {
+  if (body_weight(frame, character) === 0 && character.links > 0) return link_position(frame, character, 0);
+  return [frame.floats[character.data + 8]!, frame.floats[character.data + 9]!, frame.floats[character.data + 10]!];
+};
 /** Origin of link `link` of a character, world frame, m. */
 export function link_position(frame: Frame, character: CharacterFrame, link: number): [number, number, number] {
   const at = character.poses + link * pose_floats;

@@ -150,7 +150,7 @@ export interface CircuitCanvas {
 }
 
 /** Mounted views and functions of panels; null or without effect while the panel is not mounted. */
-export const parts: { viewport: Viewport | null; pointer: PointerControl | null; posing: PoseView | null; fit_timeline: () => void; reset_layout: () => void; toggle_maximized: () => void; show_panel: (id: string) => void; search_library: () => void; choose_files: () => void; import_view: ImportView | null; circuit: CircuitCanvas | null; drawn_keys: () => { x: number; y: number }[]; choose_mesh: () => void; add_mesh: (entry: string, at: { x: number; y: number }) => void } = {
+export const parts: { viewport: Viewport | null; pointer: PointerControl | null; posing: PoseView | null; fit_timeline: () => void; reset_layout: () => void; toggle_maximized: () => void; show_panel: (id: string) => void; search_library: () => void; choose_files: () => void; import_view: ImportView | null; circuit: CircuitCanvas | null; drawn_keys: () => { x: number; y: number }[]; add_mesh: (entry: string, at: { x: number; y: number }) => void } = {
   viewport: null,
   pointer: null,
   posing: null,
@@ -163,7 +163,6 @@ export const parts: { viewport: Viewport | null; pointer: PointerControl | null;
   import_view: null,
   circuit: null,
   drawn_keys: () => [],
-  choose_mesh: () => undefined,
   add_mesh: () => undefined,
 };
 

@@ -3,7 +3,7 @@ import * as THREE from 'three';
 import type { Command } from '../core/document';
 import { add_mesh_prop, add_prop, prop_kinds, prop_shapes, type PlainShape } from '../core/props';
 import type { LibraryEntry } from '../core/protocol';
-import { library, parts, session } from './app';
+import { imports, library, parts, session } from './app';
 
 const in_view = (): { x: number; y: number } => parts.viewport?.looks_at ?? { x: 0, y: 0 };
 
@@ -35,8 +35,14 @@ export function place_of_drop(event: { clientX: number; clientY: number; target:
 }
 
 /** Lets the user choose a mesh file, which becomes a prop. */
-export const insert_mesh_file = (): void => parts.choose_mesh();
-export { in_view as place_in_view };
+export function insert_mesh_file(): void {
+  const input = document.createElement('input');
+  input.type = 'file';
+  input.multiple = true; // an .obj with its .mtl
+  input.accept = '.glb,.gltf,.obj,.stl,.ply,.dae,.fbx,.mtl,.bin';
+  input.onchange = () => void imports.add([...(input.files ?? [])], in_view());
+  input.click();
+}
 
 const has_document = (): boolean => session.state.document !== null;
 

@@ -5,7 +5,6 @@ import { key_of } from '../../core/library/words';
 import type { LibraryEntry } from '../../core/protocol';
 import { imports, library, parts, session, useLibrary, useStudio } from '../app';
 import { Icon } from '../icons';
-import { place_in_view } from '../prop_actions';
 import { Card, entry_actions, use_entry } from './cards';
 
 const kinds: [KindFilter, string][] = [['all', 'All'], ['mechanism', 'Mechanisms'], ['motion', 'Motions']];
@@ -27,11 +26,9 @@ export function LibraryPanel(): ReactElement {
   const trash = useLibrary((s) => s.trash);
   const [look, set_look] = useState(stored_look);
   const files = useRef<HTMLInputElement>(null);
-  const meshes = useRef<HTMLInputElement>(null);
   const search = useRef<HTMLInputElement>(null);
   useEffect(() => {
     parts.choose_files = () => files.current?.click();
-    parts.choose_mesh = () => meshes.current?.click();
     parts.search_library = () => {
       parts.show_panel('library');
       // the browser gives the focus to an element of a hidden panel only after the panel is shown
@@ -93,20 +90,6 @@ export function LibraryPanel(): ReactElement {
             const chosen = [...(e.target.files ?? [])];
             e.target.value = '';
             void imports.add(chosen);
-          }}
-        />
-        <input
-          ref={meshes}
-          type="file"
-          hidden
-          multiple
-          aria-hidden="true"
-          className="mesh-files"
-          accept=".glb,.gltf,.obj,.stl,.ply,.dae,.fbx,.mtl,.bin"
-          onChange={(e) => {
-            const chosen = [...(e.target.files ?? [])];
-            e.target.value = '';
-            void imports.add(chosen, place_in_view());
           }}
         />
       </div>
