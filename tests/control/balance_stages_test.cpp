@@ -415,6 +415,85 @@ TEST(GroundPlan, BodyIsLoweredForAFootThatLandsLate) {
   EXPECT_NEAR(state.z - state.lower, -0.08, 0.005);
 }
 
+/// A walker in the middle of a swing, on ground that is 10 cm lower behind `edge` (x, m).
+struct SwingAtAnEdge {
+  Walker w;
+  std::unique_ptr<BalanceModel> model;
+  std::unique_ptr<GroundSupport> support;
+  std::unique_ptr<GroundPlan> plan;
+  BalanceState state;
+  std::size_t foot = 0;
+  ScheduledFoot swing;
+  double heel = 0;  // m: x of the rear end of the sole at its landing in the reference
+
+  SwingAtAnEdge() {
+    model = make(-1e3);
+    swing = model->schedule.at(foot, model->schedule.stances(foot)[1].begin - 0.01);
+    heel = 1e9;
+    for (const LinkPoint& p : model->feet[foot].points)
+      if (p.link == model->feet[foot].link) heel = std::min(heel, (swing.next->foot * p.location.p).x);
+  }
+  std::unique_ptr<BalanceModel> make(double edge) const {
+    LinkSpec link;
+    link.name = "ground";
+    link.joint.type = JointType::fixed;
+    link.shapes.push_back(Shape::box({20, 20, 0.5}, {Mat3::identity(), {edge + 20, 0, -0.5}}));
+    link.shapes.push_back(Shape::box({20, 20, 0.5}, {Mat3::identity(), {edge - 20, 0, -0.1 - 0.5}}));
+    MechanismSpec spec;
+    spec.name = "ground";
+    spec.links.push_back(std::move(link));
+    const std::vector<MechanismPtr> systems{w.body.mechanism, Mechanism::make(std::move(spec)).value()};
+    const auto walk = std::make_shared<const Looped>(w.body.mechanism, motion_of(w.body, w.walk), 5);
+    return std::make_unique<BalanceModel>(w.body.mechanism, walk, BalanceOptions{}, 0, GroundMap(systems, 0, -100));
+  }
+  void put_edge(double x) {
+    model = make(x);
+    support = std::make_unique<GroundSupport>(*model);
+    plan = std::make_unique<GroundPlan>(*model);
+    state = {};
+    state.started = 1;
+    state.feet[1 - foot].stands = 1;
+  }
+  void go_to(double phase) {
+    state.time = swing.begin + phase * (swing.end - swing.begin);
+    state.clock = 1;
+    model->sample_reference(state);
+    dynamics::update_kinematics(*model->mechanism, model->q_ref, model->v_ref, model->now);
+    model->centroid = dynamics::calc_centroidal(*model->mechanism, model->now);
+    for (int i = 0; i < 300; ++i) plan->update(*model, *support, 0.002, state);
+  }
+};
+
+TEST(GroundPlan, FootholdsKeepAwayFromEdges) {
+  SwingAtAnEdge s;
+  // The heel would land 1 cm ahead of the edge: the foothold moves ahead, until the margin is on the same ground.
+  s.put_edge(s.heel - 0.01);
+  s.go_to(0.3);
+  EXPECT_GT(s.state.feet[s.foot].place[0], 0.02);
+  EXPECT_LT(s.state.feet[s.foot].place[0], 0.12);
+  EXPECT_NEAR(s.state.feet[s.foot].to[2], 0, 1e-3);
+  // Far from an edge it stays.
+  s.put_edge(s.heel - 0.3);
+  s.go_to(0.3);
+  EXPECT_EQ(s.state.feet[s.foot].place[0], 0);
+}
+
+TEST(GroundPlan, FootholdStaysOnItsStepShortlyBeforeTheLanding) {
+  SwingAtAnEdge s;
+  const double length = 0.25;  // m, about the length of the foot
+  s.put_edge(s.heel + length + 0.07);
+  s.go_to(0.3);
+  ASSERT_NEAR(s.state.feet[s.foot].to[2], -0.1, 1e-3);
+  // At the end of the swing, the balance moves the foot over the riser. It lands in front of the riser.
+  s.go_to(0.95);
+  for (int i = 0; i < 100; ++i) {
+    s.state.feet[s.foot].shift[0] += 0.0013;
+    s.plan->update(*s.model, *s.support, 0.002, s.state);
+  }
+  EXPECT_NEAR(s.state.feet[s.foot].to[2], -0.1, 0.01);
+  EXPECT_LT(s.state.feet[s.foot].place[0], -0.01);
+}
+
 TEST(BalanceControl, DogTrotsWithoutAssist) {
   const MechanismPtr dog = samples::make_dog();
   const Motion trot = samples::make_dog_trot(*dog);

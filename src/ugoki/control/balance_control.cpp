@@ -52,16 +52,17 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
   e.z -= model_.ground_rise(state, model_.centroid.centre);
   e_rate.z -= ground_.climb() + state.tilt[0] * model_.centroid.velocity.x + state.tilt[1] * model_.centroid.velocity.y;
   out.dcm_error = horizontal(e + e_rate / w0);
-  Vec3 acceleration = model_.want_rate.v / model_.mass() - e * (w0 * o.com_gain) - e_rate * (w0 + o.com_gain);
-  acceleration.z = model_.want_rate.v.z / model_.mass() - e.z * o.height_frequency * o.height_frequency - e_rate.z * 2 * o.height_frequency;
-
-  if (static_cast<HangMode>(state.hang) == HangMode::lands) acceleration.z = std::min(acceleration.z, o.landing_brake * norm(o.gravity));
   if (airborne) out.dcm_error = {};
-  out.hang = static_cast<HangMode>(state.hang);
 
   // 4., 5. Steps
   if (!airborne) planner_.start_reaction(model_, support_, in.dt, state);
-  if (!airborne) planner_.update_shifts(model_, support_, in.dt, out.dcm_error, state);
+  const Vec3 lean = airborne ? Vec3{} : planner_.update_shifts(model_, support_, in.dt, out.dcm_error, state);
+
+  Vec3 acceleration = model_.want_rate.v / model_.mass() - (e - lean) * (w0 * o.com_gain) - e_rate * (w0 + o.com_gain);
+  acceleration.z = model_.want_rate.v.z / model_.mass() - e.z * o.height_frequency * o.height_frequency - e_rate.z * 2 * o.height_frequency;
+
+  if (static_cast<HangMode>(state.hang) == HangMode::lands) acceleration.z = std::min(acceleration.z, o.landing_brake * norm(o.gravity));
+  out.hang = static_cast<HangMode>(state.hang);
 
   // 6. Quadratic program
   program_.solve(model_, support_, in, acceleration, state, tau, out);

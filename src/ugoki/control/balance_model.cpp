@@ -129,6 +129,7 @@ void BalanceModel::lift(std::size_t f, BalanceState& state) const {
     foot.to[k] = foot.from[k];
   }
   foot.offset[2] += floor + state.z - state.lower - foot.from[2];
+  foot.raise = 0;
   for (int k = 0; k < 2; ++k) {
     foot.shift[k] = foot.place[k] = 0;
     foot.tilt[k] = state.tilt[k];

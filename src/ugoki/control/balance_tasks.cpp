@@ -82,9 +82,10 @@ void add_swing_task(const BalanceModel& model, std::size_t f, const BalanceState
   const double up = 4 * phase * (1 - phase), down = std::clamp((phase - 0.7) / 0.3, 0.0, 1.0);
   // In flight, the legs keep their posture relative to the centre of mass. Both flights end at the same height.
   const double flight = model.flight(state) ? model.centroid.centre.z - model.want.centre.z : 0;
-  Vec3 goal =
-      p_ref + offset * (1 - s.value) + shift * s.value +
-      Vec3{0, 0, flight + (memory.reacts ? model.options.step_clearance : model.options.clearance) * up - model.options.aim_depth * down};
+  Vec3 goal = p_ref + offset * (1 - s.value) + shift * s.value +
+              Vec3{0, 0,
+                   flight + memory.raise * (1 - down) + (memory.reacts ? model.options.step_clearance : model.options.clearance) * up -
+                       model.options.aim_depth * down};
   const Vec3 v_ref = dynamics::point_velocity(model.ref, foot.link, p_ref);
   Vec3 speed = v_ref + (shift - offset) * s.rate;
   // The height of the foot above the ground is that of the reference.

@@ -32,29 +32,36 @@ struct BalanceOptions {
   double hover = 2e-3, max_hover = 0.05;        ///< m: points of a standing sole that are this high above the ground are pressed down
   double hover_weight = 60;                     ///< weight of the tasks that press them down
   double hover_time = 0.04, hover_speed = 0.5;  ///< s, m/s: they move down at height / time, and not faster than this
-  double lifting = 0.15;      ///< m/s: no load on a point that, in the reference, rises this much faster than the foot's slowest point
-  double lifted = 0.01;       ///< m: no load on a rising point that, in the reference, is this much higher than the foot's lowest point
-  double anchor_time = 0.04;  ///< s: time constant with which the anchor follows the foot
-  double ground_time = 0.1;   ///< s: time constant with which the height and the slope of the reference's ground follow the real ground
-  double leg_share = 1;       ///< the body is lowered if a leg would be longer than this share of its maximum length in the reference
-  double lower_time = 0.05;   ///< s: time constant of this lowering
-  double max_step = 0.3;      ///< ground higher or lower than this share of the height of the centre of mass is no foothold
-  double move_cost = 0.3;     ///< m: unevenness that a foothold may have, for each m by which it would move to even ground
-  double choose_until = 0.7;  ///< phase of the swing up to which a foothold moves to even ground
-  double homing = 0.1;          ///< share of its lateral displacement by which the reference is ahead of the foot, back towards its own place
-  double max_homing = 0.02;     ///< maximum of this distance, in heights of the centre of mass
+  double lifting = 0.15;          ///< m/s: no load on a point that, in the reference, rises this much faster than the foot's slowest point
+  double lifted = 0.01;           ///< m: no load on a rising point that, in the reference, is this much higher than the foot's lowest point
+  double anchor_time = 0.04;      ///< s: time constant with which the anchor follows the foot
+  double ground_time = 0.1;       ///< s: time constant with which the height and the slope of the reference's ground follow the real ground
+  double leg_share = 1;           ///< the body is lowered if a leg would be longer than this share of its maximum length in the reference
+  double lower_time = 0.05;       ///< s: time constant of this lowering
+  double max_step = 0.3;          ///< ground higher or lower than this share of the height of the centre of mass is no foothold
+  double move_cost = 0.3;         ///< m: unevenness that a foothold may have, for each m by which it would move to even ground
+  double foothold_margin = 0.04;  ///< m: ground this far ahead of a sole and behind it counts in the choice of its foothold
+  double max_move = 0.65;         ///< lengths of the foot: maximum of this move
+  double hold = 2,
+         hold_from = 0.5;    ///< factor on the cost of a change of a foothold, which grows from the phase `hold_from` to the landing
+  double homing = 0.1;       ///< share of its lateral displacement by which the reference is ahead of the foot, back towards its own place
+  double max_homing = 0.02;  ///< maximum of this distance, in heights of the centre of mass
   double max_turn_home = 0.03;  ///< rad: the same for the heading
   double homing_slope = 0.05;   ///< slope of the ground from which on the reference does not return, because balance needs all of the step
-  double heading_time = 0.2;  ///< s: time constant of the anchor's heading; 0: the heading is not anchored
-  double turn_time = 0.1;     ///< s: time constant with which a foot that turns on the ground follows the heading of its reference
-  double shift_growth = 1.5;  ///< 1/s: assumed growth rate of the DCM error until touch-down; without ankle torques the rate is w0
-  double max_transfer = 0.3;  ///< s: maximum duration of the double support in the calculation of how far the next foothold is shifted
-  double shift_time = 0.03;   ///< s: time constant with which the shift of the next foothold is updated
-  double max_shift = 0.8;     ///< m: maximum shift of the next foothold from its place in the reference
+  double heading_time = 0.2;    ///< s: time constant of the anchor's heading; 0: the heading is not anchored
+  double turn_time = 0.1;       ///< s: time constant with which a foot that turns on the ground follows the heading of its reference
+  double shift_growth = 1.5;    ///< 1/s: assumed growth rate of the DCM error until touch-down; without ankle torques the rate is w0
+  double max_transfer = 0.3;    ///< s: maximum duration of the double support in the calculation of how far the next foothold is shifted
+  double shift_time = 0.03;     ///< s: time constant with which the shift of the next foothold is updated
+  double max_shift = 0.8;       ///< m: maximum shift of the next foothold from its place in the reference
   double hurry = 1, hurry_from = 0.15,
          max_hurry = 1.4;         ///< 1/m, m, factor: rate of time in a swing = 1 + hurry (shift - hurry_from), between 1 and max_hurry
   double clearance = 0.01;        ///< m: added to the height of a swing foot in the middle of the swing
   double rough_clearance = 0.05;  ///< m: maximum further height over ground that deviates from the line between both footholds
+  double raise_speed = 0.6;       ///< m/s: a swing foot that touches something is raised at this speed ...
+  double max_raise = 0.08;        ///< m: ... by at most this height
+  double scuff = 0.01;            ///< m: ... if the foot is higher than this above the ground in the reference
+  double max_tiptoe = 0.03;       ///< m: a foot that touches early stands only if its sole is at most this much higher than at its landing
   double aim_depth = 0.01;        ///< m: a swing foot aims this far below the floor at the end of the swing
   double press_speed = 0.8;       ///< m/s: downward speed of a foot that lands later than in the reference
   double step_time = 0.27;        ///< s: duration of a reaction step
@@ -108,6 +115,7 @@ struct BalanceState {
     double from[3] = {0, 0, 0};    ///< m, world: where the foot left the ground; z: height of the ground there
     double to[3] = {0, 0, 0};      ///< m, world: foothold; z: height of the ground there
     double tilt[2] = {0, 0};       ///< slope of the ground at the foothold: rise per length along the x and y axes of the world
+    double raise = 0;              ///< m: how much higher the foot swings because it has touched something
     double bump = 0;               ///< m: height of the path of the foot above the line between both places, in the middle of the way
     double sharp[2] = {1, 1};      ///< shape of this height in both halves of the way (swing_path.h)
   };

@@ -5,6 +5,40 @@
 
 namespace ugoki::control {
 
+namespace {
+
+/// True if the sole of a foot that touches is not much higher than at its landing: a toe that scuffs the ground carries no load.
+bool is_low(const BalanceModel& model, const GroundSupport& support, std::size_t f, const ScheduledFoot& planned) {
+  if (!planned.next) return true;
+  const GroundSupport::Ground ground = support.ground_under(model, f);
+  const double landing = (planned.next->foot * model.feet[f].sole).z - model.floor;
+  return !ground.found || model.sole(f).z - ground.height < std::max(0.0, landing) + model.options.max_tiptoe;
+}
+
+/// True if the ground below the way of a swing foot deviates from a straight line between both places: steps and tiles, but no slopes.
+bool is_rough(const BalanceModel& model, const BalanceState& state, const BalanceState::FootState& foot) {
+  constexpr double straight = 0.01;  // m
+  constexpr int samples = 7;
+  const Vec3 from{foot.from[0], foot.from[1], 0}, way = Vec3{foot.to[0], foot.to[1], 0} - from;
+  const double last = model.map_height(state, from + way) + state.loose;
+  for (int k = 1; k <= samples; ++k) {
+    const double share = static_cast<double>(k) / (samples + 1);
+    const double height = model.map_height(state, from + way * share) + state.loose;
+    if (std::fabs(height - foot.from[2] - (last - foot.from[2]) * share) > straight) return true;
+  }
+  return false;
+}
+
+/// m: height of the lowest point of a foot of the reference above the reference's ground.
+double height_in_reference(const BalanceModel& model, std::size_t f, const BalanceState& state) {
+  double low = 1e9;
+  for (const LinkPoint& point : model.feet[f].points)
+    low = std::min(low, (model.ref.X_WB[static_cast<std::size_t>(point.link)] * point.location.p).z - point.location.radius);
+  return low - model.floor - state.z + state.lower;
+}
+
+}  // namespace
+
 void update_phase(const BalanceModel& model, const GroundSupport& support, double dt, BalanceState& state) {
   state.rate = 1;
   const double g = norm(model.options.gravity);
@@ -32,8 +66,12 @@ void update_phase(const BalanceModel& model, const GroundSupport& support, doubl
         foot.lost = 0;
       }
     } else {
+      if (!planned.stands && support.blocked(f) && is_rough(model, state, foot) &&
+          height_in_reference(model, f, state) > model.options.scuff)
+        foot.raise = std::min(model.options.max_raise, foot.raise + dt * model.options.raise_speed);
       const double swing = planned.stands ? 1 : (state.time - planned.begin) / (planned.end - planned.begin);
-      if (support.touching(f) > 0 && swing > model.options.early) {
+      if (support.touching(f) > 0 && swing > model.options.early &&
+          (planned.stands || !is_rough(model, state, foot) || is_low(model, support, f, planned))) {
         foot.stands = 1;
         foot.early = planned.stands ? 0 : 1;
         foot.lost = 0;

@@ -139,8 +139,8 @@ void GroundPlan::update_body(const BalanceModel& model, const GroundSupport& sup
 }
 
 GroundPlan::Patch GroundPlan::under_sole(const BalanceModel& model, const BalanceState& state, std::size_t f, const Vec3& place,
-                                         const Mat3& R) const {
-  const Vec3 ahead = horizontal(R * half_[f][0]), left = horizontal(R * half_[f][1]);
+                                         const Mat3& R, double margin) const {
+  const Vec3 sole = horizontal(R * half_[f][0]), ahead = sole + normalized(sole) * margin, left = horizontal(R * half_[f][1]);
   const double length = norm(ahead), width = norm(left);
   const Vec3 middle = horizontal(R * (middle_[f] - model.feet[f].sole));
   double z[5], mean = 0;
@@ -171,6 +171,32 @@ GroundPlan::Patch GroundPlan::under_sole(const BalanceModel& model, const Balanc
   return patch;
 }
 
+Vec3 GroundPlan::choose_move(const BalanceModel& model, const BalanceState& state, std::size_t f, const Vec3& wanted, const Mat3& R) const {
+  constexpr double even = 2e-3, same_height = 0.01;  // m
+  const BalanceOptions& o = model.options;
+  const BalanceState::FootState& foot = state.feet[f];
+  const Patch here = under_sole(model, state, f, wanted, R, o.foothold_margin);
+  const double phase = swing_phase(model, state, f);
+  const bool begins = phase < 0.05;  // FootState::to is still the place that the foot left
+  if (here.unevenness < even && (begins || std::fabs(here.height - foot.to[2]) < same_height)) return {};
+  // The closer the landing, the more the foothold stays where it is: a foot that is low cannot reach another height.
+  const double late = o.hold * std::clamp((phase - o.hold_from) / (1 - o.hold_from), 0.0, 1.0);
+  const Vec3 ahead = normalized(horizontal(R * half_[f][0]));
+  const double longest = o.max_move * 2 * norm(half_[f][0]);
+  const double planned = std::clamp(dot(Vec3{foot.to[0], foot.to[1], 0} - wanted, ahead), -longest, longest);
+  double best = std::numeric_limits<double>::infinity(), chosen = 0;
+  constexpr int side = 5;  // candidates on each side
+  for (int k = -side; k <= side + 1; ++k) {
+    const double step = k > side ? planned : k * longest / side;
+    const Patch ground = under_sole(model, state, f, wanted + ahead * step, R, o.foothold_margin);
+    const double change = begins ? std::fabs(step) : std::fabs(step - planned);
+    const double cost =
+        ground.unevenness + o.move_cost * (std::fabs(step) + (0.3 + late) * change) + late * std::fabs(ground.height - foot.to[2]);
+    if (cost < best) best = cost, chosen = step;
+  }
+  return ahead * chosen;
+}
+
 void GroundPlan::update_foot(const BalanceModel& model, std::size_t f, double dt, BalanceState& state) const {
   const BalanceOptions& o = model.options;
   BalanceState::FootState& foot = state.feet[f];
@@ -180,20 +206,8 @@ void GroundPlan::update_foot(const BalanceModel& model, std::size_t f, double dt
   if (!foot.reacts && !planned.stands && planned.next) X = to_pose({state.x, state.y, state.z, state.heading}) * planned.next->foot;
   const Vec3 wanted = horizontal(X * model.feet[f].sole) + Vec3{foot.shift[0], foot.shift[1], 0};
   const double share = std::min(1.0, dt / o.shift_time);
-  if (swing_phase(model, state, f) < o.choose_until) {
-    // The foothold moves along the foot to more even ground.
-    const Vec3 ahead = normalized(horizontal(X.R * half_[f][0]));
-    const double foot_length = 2 * norm(half_[f][0]);
-    double best = std::numeric_limits<double>::infinity();
-    Vec3 chosen;
-    for (const double step : {0.0, -0.25, 0.25, -0.5, 0.5}) {
-      const Vec3 move = ahead * (step * foot_length);
-      const double kept = norm(move - Vec3{foot.place[0], foot.place[1], 0});
-      const double cost = under_sole(model, state, f, wanted + move, X.R).unevenness + o.move_cost * norm(move) + 0.3 * o.move_cost * kept;
-      if (cost < best) best = cost, chosen = move;
-    }
-    for (int k = 0; k < 2; ++k) foot.place[k] += (chosen[k] - foot.place[k]) * share;
-  }
+  const Vec3 move = choose_move(model, state, f, wanted, X.R);
+  for (int k = 0; k < 2; ++k) foot.place[k] += (move[k] - foot.place[k]) * share;
   const Vec3 to = wanted + Vec3{foot.place[0], foot.place[1], 0};
   const Patch ground = under_sole(model, state, f, to, X.R);
   foot.to[0] = to.x;

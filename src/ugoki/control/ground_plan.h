@@ -29,9 +29,13 @@ class GroundPlan {
   void update_body(const BalanceModel& model, const GroundSupport& support, double dt, BalanceState& state);
   void lower_body(const BalanceModel& model, double dt, BalanceState& state);
   void update_foot(const BalanceModel& model, std::size_t f, double dt, BalanceState& state) const;
-  /// Ground under a sole. @param R orientation of the foot's link
-  [[nodiscard]] Patch under_sole(const BalanceModel& model, const BalanceState& state, std::size_t f, const Vec3& place,
+  /// m: displacement of a foothold along the foot, to more even ground. @param wanted m: foothold without it @param R orientation of the
+  /// foot
+  [[nodiscard]] Vec3 choose_move(const BalanceModel& model, const BalanceState& state, std::size_t f, const Vec3& wanted,
                                  const Mat3& R) const;
+  /// Ground under a sole. @param R orientation of the foot's link @param margin m: ground ahead of the sole and behind it that counts, too
+  [[nodiscard]] Patch under_sole(const BalanceModel& model, const BalanceState& state, std::size_t f, const Vec3& place, const Mat3& R,
+                                 double margin = 0) const;
 
   std::vector<std::array<Vec3, 2>> half_;  // [feet] m, in the frame of the foot: from the middle of the sole to its front, and to its left
   std::vector<Vec3> middle_;               // [feet] m, in the frame of the foot: middle of the sole

@@ -9,7 +9,7 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
-GroundSupport::GroundSupport(const BalanceModel& model) : touching_(model.feet.size()) {
+GroundSupport::GroundSupport(const BalanceModel& model) : touching_(model.feet.size()), blocked_(model.feet.size()) {
   contacts_.reserve(max_bearing);
   bearing_.reserve(max_bearing);
   std::size_t points = 0;
@@ -21,11 +21,13 @@ GroundSupport::GroundSupport(const BalanceModel& model) : touching_(model.feet.s
 void GroundSupport::collect(const BalanceModel& model, const BalanceInput& in) {
   contacts_.clear();
   std::ranges::fill(touching_, 0);
+  std::ranges::fill(blocked_, 0);
   for (const collision::ContactPoint& c : in.contacts) {
     const bool is_a = c.system_a == in.system;
     if (is_a ? c.system_b == in.system : c.system_b != in.system) continue;
     const int link = is_a ? c.link_a : c.link_b, foot = model.part_of[at(link)];
     const Vec3 n = is_a ? c.n : -c.n;
+    if (foot >= 0 && c.distance <= model.options.touch) blocked_[at(foot)] = 1;
     if (foot < 0 || n.z < min_rise || contacts_.size() == max_bearing) continue;
     const bool loose = is_a ? !model.map.contains(c.system_b, c.link_b) : !model.map.contains(c.system_a, c.link_a);
     contacts_.push_back({foot, link, c.p, n, c.friction, c.distance, loose});

@@ -44,6 +44,8 @@ class GroundSupport {
   [[nodiscard]] const std::vector<FootContact>& contacts() const { return contacts_; }
   /// Number of contact points of a foot that touch.
   [[nodiscard]] int touching(std::size_t foot) const { return touching_[foot]; }
+  /// True if a foot touches anything, a riser too.
+  [[nodiscard]] bool blocked(std::size_t foot) const { return blocked_[foot] != 0; }
   /// Ground under the sole of a foot.
   struct Ground {
     bool found = false;  // false: the foot has no contact
@@ -76,8 +78,9 @@ class GroundSupport {
   std::vector<FootContact> contacts_;
   std::vector<BearingPoint> bearing_;
   std::vector<HoveringPoint> hovering_;
-  std::vector<int> touching_;  // [feet]
-  std::vector<Vec3> hull_;     // scratch
+  std::vector<int> touching_;           // [feet]
+  std::vector<unsigned char> blocked_;  // [feet]
+  std::vector<Vec3> hull_;              // scratch
 };
 
 }  // namespace ugoki::control

@@ -80,7 +80,8 @@ void StepPlanner::start_reaction(const BalanceModel& model, GroundSupport& suppo
   state.trouble = 0;
 }
 
-void StepPlanner::update_shifts(const BalanceModel& model, GroundSupport& support, double dt, const Vec3& dcm_error, BalanceState& state) {
+Vec3 StepPlanner::update_shifts(const BalanceModel& model, GroundSupport& support, double dt, const Vec3& dcm_error, BalanceState& state) {
+  Vec3 lean;
   for (std::size_t f = 0; f < model.feet.size(); ++f) {
     BalanceState::FootState& foot = state.feet[f];
     const ScheduledFoot planned = model.schedule.at(f, state.time);
@@ -108,13 +109,16 @@ void StepPlanner::update_shifts(const BalanceModel& model, GroundSupport& suppor
       for (int k = 0; k < 2; ++k) foot.shift[k] += (shift[k] - foot.shift[k]) * std::min(1.0, dt / model.options.shift_time);
       continue;
     }
-    Vec3 shift = model.flight(state) ? dcm_error * landing_share(model, planned.end) +
-                                           horizontal(model.centroid.velocity - model.want.velocity) * rest
-                                     : dcm_error * (exp(model.options.shift_growth * rest) *
-                                                    transfer_factor(model.w0 * std::min(double_support, model.options.max_transfer)));
+    const double growth =
+        exp(model.options.shift_growth * rest) * transfer_factor(model.w0 * std::min(double_support, model.options.max_transfer));
+    const bool flies = model.flight(state) != nullptr;
+    Vec3 shift = flies ? dcm_error * landing_share(model, planned.end) + horizontal(model.centroid.velocity - model.want.velocity) * rest
+                       : dcm_error * growth;
+    if (!flies) lean += Vec3{foot.place[0], foot.place[1], 0} / growth;
     if (norm(shift) > model.options.max_shift) shift = shift * (model.options.max_shift / norm(shift));
     for (int k = 0; k < 2; ++k) foot.shift[k] += (shift[k] - foot.shift[k]) * std::min(1.0, dt / model.options.shift_time);
   }
+  return lean;
 }
 
 }  // namespace ugoki::control

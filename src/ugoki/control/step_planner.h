@@ -12,7 +12,8 @@ class StepPlanner {
   /// Starts a reaction step if the reference stands and the DCM has left the support.
   void start_reaction(const BalanceModel& model, GroundSupport& support, double dt, BalanceState& state);
   /// Updates the shifts of the next touch-downs. @param dcm_error m, world: DCM minus its reference
-  void update_shifts(const BalanceModel& model, GroundSupport& support, double dt, const Vec3& dcm_error, BalanceState& state);
+  /// @return m, world, horizontal: error of the DCM at which the feet would land at their even footholds without a further shift
+  Vec3 update_shifts(const BalanceModel& model, GroundSupport& support, double dt, const Vec3& dcm_error, BalanceState& state);
 };
 
 }  // namespace ugoki::control
