@@ -1,6 +1,6 @@
 import * as THREE from 'three';
 import { describe, expect, it } from 'vitest';
-import { drawn_areas, join_areas, type Area } from '../src/view/areas';
+import { drawn_areas, join_areas, tile_areas, type Area } from '../src/view/areas';
 
 const width = 800;
 const height = 600;
@@ -85,6 +85,76 @@ describe('drawn_areas', () => {
     expect(drawn_areas(scene, [], camera_at(3, 0, 1), width, height)).toEqual([{ left: 0, bottom: 0, right: width, top: height }]);
     mesh.visible = false;
     expect(drawn_areas(scene, [], camera_at(3, 0, 1), width, height)).toEqual([]);
+  });
+});
+
+describe('areas below the floor', () => {
+  it('contain every pixel of what is below the floor, and little more', () => {
+    const scene = new THREE.Scene();
+    const meshes = [box_at(0, 0, 1), box_at(0.9, 0.4, 0.05), box_at(-0.8, 0.6, -0.3)];
+    scene.add(...meshes);
+    scene.updateMatrixWorld();
+    const camera = camera_at(3, -3, 1.6);
+    const areas = drawn_areas(scene, [], camera, width, height, true);
+    const point = new THREE.Vector3();
+    let seen = 0;
+    for (const mesh of meshes) {
+      const at = mesh.geometry.getAttribute('position');
+      for (let i = 0; i < at.count; i++) {
+        if (point.fromBufferAttribute(at, i).applyMatrix4(mesh.matrixWorld).z > 0) continue;
+        point.project(camera);
+        expect(inside(areas, (0.5 + 0.5 * point.x) * width, (0.5 + 0.5 * point.y) * height)).toBeGreaterThan(0);
+        seen++;
+      }
+    }
+    expect(seen).toBeGreaterThan(100);
+    for (const [x, y] of pixels(meshes[0]!, camera)) expect(inside(areas, x, y)).toBe(0);
+  });
+  it('contain the part of a surface between a bone below the floor and one above it', () => {
+    const geometry = new THREE.BoxGeometry(0.1, 0.1, 0.1);
+    const { count } = geometry.getAttribute('position');
+    geometry.setAttribute('skinIndex', new THREE.Uint16BufferAttribute(Array.from({ length: 4 * count }, (_, i) => (i % 4 === 1 ? 1 : 0)), 4));
+    geometry.setAttribute('skinWeight', new THREE.Float32BufferAttribute(Array.from({ length: 4 * count }, (_, i) => (i % 4 < 2 ? 0.5 : 0)), 4));
+    const bones = [new THREE.Bone(), new THREE.Bone()];
+    const mesh = new THREE.SkinnedMesh(geometry, new THREE.MeshBasicMaterial());
+    mesh.bindMode = THREE.DetachedBindMode;
+    mesh.bind(new THREE.Skeleton(bones, bones.map(() => new THREE.Matrix4())), new THREE.Matrix4());
+    bones[0]!.matrixWorld.makeTranslation(-0.5, 0, 0.2);
+    bones[1]!.matrixWorld.makeTranslation(0.5, 0, -0.4);
+    const scene = new THREE.Scene();
+    scene.add(mesh);
+    const camera = camera_at(2, -4, 1.5);
+    for (const [x, y] of pixels(mesh, camera)) expect(inside(drawn_areas(scene, [], camera, width, height, true), x, y)).toBeGreaterThan(0);
+    bones[1]!.matrixWorld.makeTranslation(0.5, 0, 0.4);
+    expect(drawn_areas(scene, [], camera, width, height, true)).toEqual([]);
+  });
+});
+
+describe('tile_areas', () => {
+  it('contains each pixel of the given areas exactly once, in at most the given number of rectangles', () => {
+    const next = random(5);
+    for (const most of [1, 6, 64, 1000]) {
+      const given = Array.from({ length: 12 }, () => {
+        const [left, bottom] = [Math.floor(next.next().value * width), Math.floor(next.next().value * height)];
+        return { left, bottom, right: Math.min(width, left + 1 + Math.floor(next.next().value * 90)), top: Math.min(height, bottom + 1 + Math.floor(next.next().value * 90)) };
+      });
+      const tiles = tile_areas(given, width, height, most);
+      expect(tiles.length).toBeLessThanOrEqual(most);
+      for (let y = 0; y < height; y += 3)
+        for (let x = 0; x < width; x += 3) {
+          const count = inside(tiles, x, y);
+          if (inside(given, x, y) > 0) expect(count).toBe(1);
+          else if (count > 1) throw new Error(`pixel ${x}, ${y} is in ${count} rectangles`);
+        }
+      for (const { left, bottom, right, top } of tiles) expect(left >= 0 && bottom >= 0 && right <= width && top <= height && left < right && bottom < top).toBe(true);
+    }
+  });
+  it('leaves out what is far from the areas', () => {
+    const [one, other] = [{ left: 100, bottom: 100, right: 120, top: 400 }, { left: 120, bottom: 380, right: 500, top: 400 }];
+    const tiles = tile_areas([one, other], width, height, 64);
+    const covered = tiles.reduce((sum, a) => sum + (a.right - a.left) * (a.top - a.bottom), 0);
+    expect(covered).toBeLessThan(40_000); // the common rectangle has 120,000 pixels
+    expect(tile_areas([], width, height, 64)).toEqual([]);
   });
 });
 

@@ -5,7 +5,7 @@ import type { Look, Material } from '../core/look';
 import type { Devices, InputMessage } from '../core/play_controls';
 import type { Variable } from '../core/variables';
 import type { MechanismData, Vec3 } from '../core/protocol';
-import type { PlanarConverter } from '../view/planar_reader';
+import type { PlanarConverter } from './planar';
 
 export interface SceneCharacter extends Material {
   id: string;

@@ -1,7 +1,7 @@
 /** Draws pictures of the content for `ugoki export --png` and videos. The program that serves this page receives them. */
 import { Access } from '../core/access';
-import { fits_planar, PlanarReader } from '../view/planar_reader';
 import type { Engine, RecordedInput } from './engine';
+import { PlanarPictures } from './planar';
 import { SceneView } from './scene_view';
 
 interface Settings {
@@ -23,7 +23,7 @@ interface Settings {
   theme: 'dark' | 'light';
   assist: boolean;
   png: boolean;
-  /** Form of the pixels that are sent for videos: 'rgba' (rows from the bottom to the top), 'planar' (PlanarReader) or '' (no video). */
+  /** Form of the pixels that are sent for videos: 'rgba' (rows from the bottom to the top), 'planar' (PlanarPictures) or '' (no video). */
   raw: '' | 'rgba' | 'planar';
   /** Maximum number of pictures that are sent but not yet answered. */
   ahead: number;
@@ -76,7 +76,7 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
     }
   };
   const gl = view.stage.renderer.getContext() as WebGL2RenderingContext;
-  const planar = settings.raw === 'planar' && fits_planar(width, height) ? new PlanarReader(gl, width, height, engine.planar_converter!(width, height)) : null;
+  const planar = settings.raw === 'planar' ? new PlanarPictures(engine.planar_converter!(width, height), width, height) : null;
   const pixels = new Uint8Array(planar && settings.blur === 1 ? 0 : 4 * width * height);
   const sums = settings.blur > 1 ? new Uint32Array(pixels.length) : null;
   const flat = document.createElement('canvas');
@@ -87,6 +87,21 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
     const answer = await access.fetch(`api/picture?number=${number}&form=${form}`, { method: 'POST', body });
     if (!answer.ok) throw new Error(`The program refused picture ${number + 1}: ${await answer.text()}`);
   };
+  const send_all = async (sending: Promise<void>[]): Promise<void> => {
+    const sent: Promise<void> = Promise.all(sending).then(() => {
+      under_way.delete(sent);
+    });
+    under_way.add(sent);
+    if (under_way.size >= settings.ahead) await Promise.race(under_way);
+  };
+  // A planar picture is read only before the next one is drawn: reading waits until the picture is drawn, and meanwhile the content is computed.
+  let drawn = -1;
+  const read_planar = async (): Promise<void> => {
+    if (!planar || drawn < 0) return;
+    const bytes = planar.read(gl);
+    await send_all([send(drawn, 'raw', bytes).then(() => planar.reuse(bytes))]);
+    drawn = -1;
+  };
   for (let i = 0; i < settings.count; i++) {
     const mine = i % settings.stride === settings.first;
     const begin = settings.from + i / settings.rate;
@@ -96,6 +111,7 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
       // the times of all pictures are visited, so that the camera moves in the same steps on all pages
       await go_to(begin + (open_time * k) / settings.blur);
       if (!mine) continue;
+      await read_planar();
       view.draw(true);
       if (sums || settings.raw === 'rgba') gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
       if (sums) for (let j = 0; j < pixels.length; j++) sums[j]! += pixels[j]!;
@@ -110,18 +126,15 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
       sending.push(send(i, 'png', blob));
     }
     if (planar) {
-      sending.push(planar.read().then((bytes) => send(i, 'raw', bytes).then(() => planar.reuse(bytes))));
+      drawn = i;
+      gl.flush();
     } else if (settings.raw !== '') {
       if (settings.transparent) straighten(pixels);
       sending.push(send(i, 'raw', pixels));
     }
-    const sent: Promise<void> = Promise.all(sending).then(() => {
-      under_way.delete(sent);
-    });
-    under_way.add(sent);
-    if (under_way.size >= settings.ahead) await Promise.race(under_way);
+    if (sending.length > 0) await send_all(sending);
   }
-  planar?.finish();
+  await read_planar();
   await Promise.all(under_way);
 }
 

@@ -4,7 +4,8 @@ import { shot_at, view_of } from '../core/film';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, type Frame } from '../core/frames';
 import type { MechanismData } from '../core/protocol';
 import { CameraRig } from '../view/camera';
-import { body_surface, GradualSurfaces, hidden_layer } from '../view/body_view';
+import { is_body } from '../view/body_field';
+import { BodySkin, body_surface, GradualSurfaces, hidden_layer, sample_surface } from '../view/body_view';
 import { CharacterView, mechanism_geometries, type LinkTag } from '../view/character_view';
 import { Arrow, assist_color, ContactDiscs, Spring } from '../view/overlays';
 import { shadow_reach, Stage, type StageOptions } from '../view/stage';
@@ -36,6 +37,8 @@ export class SceneView {
   /** True: the view is that of the shots; false after the user has moved it. */
   directed = true;
   private readonly surfaces = new GradualSurfaces();
+  /** Bodies whose shaders are compiled before the first picture; empty afterwards. */
+  private samples: BodySkin[] = [];
   private readonly assist_arrows: Arrow[];
   private readonly contact_arrows: Arrow[] = [];
   private readonly discs = new ContactDiscs(max_contacts);
@@ -52,6 +55,7 @@ export class SceneView {
   constructor(readonly canvas: HTMLCanvasElement, readonly scene: Scene, options: SceneOptions) {
     this.stage = new Stage(canvas, options);
     this.raycaster.layers.enable(hidden_layer);
+    if (!options.pictures) this.samples = this.begin_compiling(options.theme);
     const geometries = scene.mechanisms.map(mechanism_geometries);
     const surface_of = options.pictures ? body_surface : (mechanism: MechanismData) => this.surfaces.of(mechanism);
     this.characters = scene.characters.map((c, index) => {
@@ -73,6 +77,20 @@ export class SceneView {
     this.rig.on_leave = () => (this.directed = false);
     this.set_theme(options.theme);
     this.followed = scene.characters.findIndex((c) => c.id === scene.camera.follow);
+  }
+
+  /** Lets the graphics processor compile the shaders while the surfaces of the bodies are made. @return bodies that keep these shaders */
+  private begin_compiling(theme: 'dark' | 'light'): BodySkin[] {
+    const { scene, stage } = this;
+    stage.set_look(scene.look, theme);
+    const bodies = scene.characters.filter((c) => !c.metalness && is_body(scene.mechanisms[c.mechanism]!));
+    const samples = [...new Set(bodies.map((c) => Object.keys(c.link_colors ?? {}).length > 0))].map((tinted) => {
+      const skin = new BodySkin(sample_surface(), '#e6e6ea');
+      skin.set_tints(tinted ? ['#e6e6ea'] : null);
+      return skin;
+    });
+    stage.begin_compiling(new THREE.Group().add(...samples.map((skin) => skin.mesh)));
+    return samples;
   }
 
   /** Works on the smooth surfaces, which are rough at first. @return true if the picture changes */
@@ -258,6 +276,8 @@ export class SceneView {
     else this.push_arrow.hide();
     this.stage.focus(target, shadow_reach(this.spheres(), target, distance), distance);
     this.stage.render(camera, still);
+    for (const skin of this.samples) skin.dispose();
+    this.samples = [];
   }
 
   get frame(): Frame | null {

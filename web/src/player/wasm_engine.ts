@@ -2,7 +2,7 @@
 import { decode_frame, type Frame } from '../core/frames';
 import { read_devices, type Devices, type InputMessage } from '../core/play_controls';
 import type { Vec3 } from '../core/protocol';
-import type { PlanarConverter } from '../view/planar_reader';
+import type { PlanarConverter } from './planar';
 import type { Engine, RecordedInput, Scene } from './engine';
 
 interface Exports {

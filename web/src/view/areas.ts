@@ -12,6 +12,8 @@ export interface Area {
 const margin = 2; // px: rounding of corners to pixels
 const nearest = 1e-3; // smallest depth in front of the camera that is drawn, m; smaller than the near distance of every camera
 
+const floor_margin = 1e-3; // m: what is at least this high is not below the floor
+const smallest_tile = 32; // px
 const area_cost = 10_000; // px: each area has its own calls of WebGL, which take about the time of this many pixels
 
 const size = (a: Area): number => (a.right - a.left) * (a.top - a.bottom);
@@ -23,54 +25,67 @@ export const join = (a: Area, b: Area): Area => ({
   top: Math.max(a.top, b.top),
 });
 
-/** Boxes of a skinned surface, one for each bone: the vertices that the bone moves, in the coordinates of the rest pose. */
-const bone_boxes = new WeakMap<THREE.BufferGeometry, THREE.Box3[]>();
+/** The vertices of a skinned surface that the same bones move: their box in the coordinates of the rest pose. */
+interface Part {
+  bones: number[];
+  box: THREE.Box3;
+}
+const parts_of_surfaces = new WeakMap<THREE.BufferGeometry, Part[]>();
 
-function boxes_of_bones(geometry: THREE.BufferGeometry, bones: number): THREE.Box3[] {
-  const known = bone_boxes.get(geometry);
+function parts_of(geometry: THREE.BufferGeometry): Part[] {
+  const known = parts_of_surfaces.get(geometry);
   if (known) return known;
-  const boxes = Array.from({ length: bones }, () => new THREE.Box3());
+  const parts = new Map<string, Part>();
   const { position, skinIndex, skinWeight } = geometry.attributes as Record<string, THREE.BufferAttribute>;
   const point = new THREE.Vector3();
   for (let i = 0; i < position!.count; i++) {
-    point.fromBufferAttribute(position!, i);
-    for (let k = 0; k < 4; k++) if (skinWeight!.getComponent(i, k) > 0) boxes[skinIndex!.getComponent(i, k)]?.expandByPoint(point);
+    const bones = [0, 1, 2, 3].filter((k) => skinWeight!.getComponent(i, k) > 0).map((k) => skinIndex!.getComponent(i, k));
+    const name = bones.sort((one, other) => one - other).join();
+    let part = parts.get(name);
+    if (!part) parts.set(name, (part = { bones, box: new THREE.Box3() }));
+    part.box.expandByPoint(point.fromBufferAttribute(position!, i));
   }
-  bone_boxes.set(geometry, boxes);
-  return boxes;
+  const out = [...parts.values()];
+  parts_of_surfaces.set(geometry, out);
+  return out;
 }
 
-/** Calls `take` with boxes that contain the object, and with the matrix from the box to the world. @return false if no bounds are known */
-function each_box(object: THREE.Object3D, take: (box: THREE.Box3, to_world: THREE.Matrix4) => void): boolean {
+/** Returns true if a box reaches below the floor (z = 0), or almost. */
+function sinks({ min, max }: THREE.Box3, { elements: e }: THREE.Matrix4): boolean {
+  const along = (row: number, low: number, high: number): number => Math.min(e[row]! * low, e[row]! * high);
+  return e[14]! + along(2, min.x, max.x) + along(6, min.y, max.y) + along(10, min.z, max.z) < floor_margin;
+}
+
+/** Boxes whose convex hull contains a part of an object, and the matrix from each box to the world. */
+type Hull = readonly (readonly [box: THREE.Box3, to_world: THREE.Matrix4])[];
+
+/** Hulls that contain the object together; null if no bounds are known. */
+function hulls_of(object: THREE.Object3D): Hull[] | null {
   const { geometry } = object as THREE.Mesh;
   if (object instanceof THREE.SkinnedMesh) {
     // A vertex lies in the convex hull of the positions that its bones give it.
     const { bones, boneInverses } = object.skeleton;
-    const matrix = new THREE.Matrix4();
-    boxes_of_bones(geometry, bones.length).forEach((box, i) => {
-      if (!box.isEmpty()) take(box, matrix.multiplyMatrices(bones[i]!.matrixWorld, boneInverses[i]!).multiply(object.bindMatrix));
-    });
-    return object.bindMode === THREE.DetachedBindMode;
+    const to_world = bones.map((bone, i) => new THREE.Matrix4().multiplyMatrices(bone.matrixWorld, boneInverses[i]!).multiply(object.bindMatrix));
+    return object.bindMode === THREE.DetachedBindMode ? parts_of(geometry).map((part) => part.bones.map((bone) => [part.box, to_world[bone]!])) : null;
   }
-  if (object instanceof THREE.InstancedMesh) return object.count === 0;
-  if (!object.frustumCulled) return false;
+  if (object instanceof THREE.InstancedMesh) return object.count === 0 ? [] : null;
+  if (!object.frustumCulled) return null;
   if (!geometry.boundingBox) geometry.computeBoundingBox();
-  take(geometry.boundingBox!, object.matrixWorld);
-  return true;
+  return [[[geometry.boundingBox!, object.matrixWorld]]];
 }
 
 /**
  * Areas that contain every visible mesh, line and point of a scene. World matrices must be up to date.
  * @param without objects that are left out, with everything in them  @param width, height size of the picture, px
- * @return disjoint areas within the picture; the whole picture if the bounds of an object are not known
+ * @param sunken true: the areas contain only what is below the floor (z = 0)
+ * @return areas within the picture, which may overlap; the whole picture if the bounds of an object are not known
  */
-export function drawn_areas(scene: THREE.Object3D, without: readonly THREE.Object3D[], camera: THREE.Camera, width: number, height: number): Area[] {
+export function drawn_areas(scene: THREE.Object3D, without: readonly THREE.Object3D[], camera: THREE.Camera, width: number, height: number, sunken = false): Area[] {
   const areas: Area[] = [];
   const to_clip = new THREE.Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
   const matrix = new THREE.Matrix4();
   const corners = Array.from({ length: 8 }, () => new THREE.Vector4());
   const at = new THREE.Vector4();
-  // The bounds of one object. Vertices that follow several bones lie between the boxes of these bones.
   let area: Area = { left: 0, bottom: 0, right: 0, top: 0 };
   const take = (box: THREE.Box3, to_world: THREE.Matrix4): void => {
     matrix.multiplyMatrices(to_clip, to_world);
@@ -98,14 +113,46 @@ export function drawn_areas(scene: THREE.Object3D, without: readonly THREE.Objec
     if (!object.visible || without.includes(object)) return;
     const drawable = object instanceof THREE.Mesh || object instanceof THREE.Line || object instanceof THREE.Points;
     if (drawable && object.layers.test(camera.layers)) {
-      area = { left: Infinity, bottom: Infinity, right: -Infinity, top: -Infinity };
-      if (!each_box(object, take)) known = false;
-      keep(area);
+      const hulls = hulls_of(object);
+      if (!hulls) known = false;
+      for (const hull of hulls ?? []) {
+        if (sunken && !hull.some((box) => sinks(...box))) continue;
+        area = { left: Infinity, bottom: Infinity, right: -Infinity, top: -Infinity };
+        for (const box of hull) take(...box);
+        keep(area);
+      }
     }
     for (const child of object.children) visit(child);
   };
   visit(scene);
-  return known ? join_areas(areas) : [{ left: 0, bottom: 0, right: width, top: height }];
+  return known ? areas : [{ left: 0, bottom: 0, right: width, top: height }];
+}
+
+/** Disjoint rectangles that contain the areas and little more: tiles in which an area lies, joined to at most `most` rectangles. */
+export function tile_areas(areas: readonly Area[], width: number, height: number, most: number, edge = smallest_tile): Area[] {
+  const [columns, rows] = [Math.ceil(width / edge), Math.ceil(height / edge)];
+  const used = new Uint8Array(columns * rows);
+  for (const { left, bottom, right, top } of areas)
+    for (let row = Math.floor(bottom / edge); row * edge < top; row++) used.fill(1, columns * row + Math.floor(left / edge), columns * row + Math.ceil(right / edge));
+  const out: Area[] = [];
+  let below: Area[] = []; // rectangles that reach to the present row
+  for (let row = 0; row < rows; row++) {
+    const top = Math.min(height, (row + 1) * edge);
+    const reached: Area[] = [];
+    for (let begin = 0; begin < columns; begin++) {
+      if (!used[columns * row + begin]) continue;
+      let end = begin + 1;
+      while (end < columns && used[columns * row + end]) end++;
+      const [left, right] = [begin * edge, Math.min(width, end * edge)];
+      begin = end;
+      let area = below.find((a) => a.left === left && a.right === right);
+      if (area) area.top = top;
+      else out.push((area = { left, bottom: row * edge, right, top }));
+      reached.push(area);
+    }
+    below = reached;
+  }
+  return out.length <= most ? out : tile_areas(areas, width, height, most, 2 * edge);
 }
 
 /** Joins areas that meet, and areas whose common rectangle is little larger than both. @return disjoint areas */

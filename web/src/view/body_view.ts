@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import type { MechanismData } from '../core/protocol';
 import { make_body_surface, make_rough_surface, max_links, type BodySurface, type Work } from './body_surface';
+import { shadow_material } from './shadow_region';
 
 const surfaces = new WeakMap<MechanismData, BodySurface | null>();
 
@@ -13,6 +14,16 @@ export function body_surface(mechanism: MechanismData): BodySurface | null {
     surfaces.set(mechanism, surface);
   }
   return surface;
+}
+
+/** A surface of one triangle and one link, whose shaders are those of every surface. */
+export function sample_surface(): BodySurface {
+  const geometry = new THREE.BufferGeometry();
+  for (const [name, size] of [['position', 3], ['normal', 3], ['skinWeight', 4]] as const) geometry.setAttribute(name, new THREE.BufferAttribute(new Float32Array(3 * size), size));
+  geometry.setAttribute('skinIndex', new THREE.BufferAttribute(new Uint16Array(12), 4));
+  geometry.setIndex([0, 1, 2]);
+  const range = { start: 0, count: 3 };
+  return { geometry, shown: range, shadow: range, inverses: [new THREE.Matrix4()] };
 }
 
 /** Makes the surfaces of bodies: first rough ones, which become the same as those of body_surface() while pictures are drawn. */
@@ -103,6 +114,7 @@ export class BodySkin {
     this.bones = new LinkBones(surface);
     this.mesh = this.bones.mesh(surface, this.material);
     this.mesh.castShadow = this.mesh.receiveShadow = true;
+    this.mesh.customDepthMaterial = shadow_material;
     const { geometry, shown, shadow } = surface;
     this.mesh.onBeforeShadow = () => geometry.setDrawRange(shadow.start, shadow.count);
     this.mesh.onAfterShadow = () => geometry.setDrawRange(shown.start, shown.count);
@@ -117,6 +129,11 @@ export class BodySkin {
     if (colors) material.defines.TINTS = '1';
     else delete material.defines.TINTS;
     material.needsUpdate = true;
+  }
+
+  dispose(): void {
+    this.material.dispose();
+    this.bones.skeleton.dispose();
   }
 
   set_glow(link: number, [white, accent]: Glow): void {

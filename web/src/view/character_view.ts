@@ -8,6 +8,7 @@ import type { LinkData, MechanismData, ShapeData } from '../core/protocol';
 import { parts_of_body } from './body_field';
 import { BodySkin, body_surface, hidden_layer, LinkBones, type Glow } from './body_view';
 import type { BodySurface } from './body_surface';
+import { shadow_material } from './shadow_region';
 import { surface_geometry, type Surfaces } from './surfaces';
 
 const pose_position = new THREE.Vector3();
@@ -139,6 +140,7 @@ export class CharacterView {
       const mesh = new THREE.Mesh(geometry, this.plain);
       mesh.matrixAutoUpdate = false;
       mesh.castShadow = true;
+      mesh.customDepthMaterial = shadow_material;
       mesh.receiveShadow = true;
       mesh.name = link.name;
       mesh.userData = { character, link: index } satisfies LinkTag;
@@ -268,8 +270,7 @@ export class CharacterView {
   }
 
   dispose(): void {
-    this.skin?.material.dispose();
-    this.skin?.bones.skeleton.dispose();
+    this.skin?.dispose();
     this.plain.dispose();
     for (const material of this.own) material.dispose();
     for (const material of Object.values(this.emphasised)) material.dispose();

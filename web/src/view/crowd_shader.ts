@@ -92,7 +92,7 @@ export function crowd_material(uniforms: CrowdUniforms, own_colors: boolean): TH
 
 /** The material with which shadows are drawn. */
 export function crowd_depth(uniforms: CrowdUniforms): THREE.MeshDepthMaterial {
-  const material = new THREE.MeshDepthMaterial();
+  const material = new THREE.MeshDepthMaterial({ colorWrite: false });
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
     shader.vertexShader = shader.vertexShader

@@ -183,8 +183,11 @@ export class Floor {
     this.object.name = 'floor';
   }
 
-  /** Puts the patches where the bodies of a scene cast shadows. The world matrices of the scene must be up to date. */
-  place_patches(scene: THREE.Scene, light: THREE.DirectionalLight): void {
+  /**
+   * Puts the patches where the bodies of a scene cast shadows. The world matrices of the scene must be up to date.
+   * @return spheres that contain these bodies, m
+   */
+  place_patches(scene: THREE.Scene, light: THREE.DirectionalLight): THREE.Sphere[] {
     const groups = new Map<THREE.Object3D | null, THREE.Sphere[]>();
     const crowds: THREE.Sphere[][] = [];
     scene.traverseVisible((o) => {
@@ -200,13 +203,15 @@ export class Floor {
     const texel = (shadow.camera.right - shadow.camera.left) / shadow.mapSize.x;
     const soft = ((shadow.radius + 2) * texel + shadow.normalBias) / to_light.z;
     const all = [...groups.values(), ...crowds];
-    const lists = all.length <= max_patches ? all : [all.flat()];
+    const every = all.flat();
+    const lists = all.length <= max_patches ? all : [every];
     lists.forEach((spheres, i) => {
       const { left, right, front, back } = shadow_rectangle(spheres, to_light, soft);
       this.corners.array.set([left, front, 0, right, front, 0, right, back, 0, left, front, 0, right, back, 0, left, back, 0], 18 * i);
     });
     this.corners.needsUpdate = true;
     this.patches.geometry.setDrawRange(0, 6 * lists.length);
+    return every;
   }
 
   /** @param strength opacity of the grid lines, 0 ... 1 */

@@ -5,19 +5,20 @@
  * colour at the centre of the pixel.
  */
 import * as THREE from 'three';
-import { drawn_areas, join, type Area } from './areas';
+import { drawn_areas, join, join_areas, tile_areas, type Area } from './areas';
 
 /** Layer of the floor, the sky and the lights: the objects that are drawn with one sample a pixel. */
 export const floor_layer = 3;
 
 const samples = 4;
-const max_areas = 64; // if there are more, their common rectangle is drawn
+const max_areas = 64;
+const max_sunken = 8; // areas of bodies that reach below the floor; if there are more, their common rectangle is drawn
 
 /** Objects with one sample a pixel. */
 export interface Backdrop {
   floor: THREE.Object3D;
   sky: THREE.Object3D;
-  /** True: the floor is drawn into the depth buffer only, before the objects, so that it hides what is below it. */
+  /** True: the floor is drawn into the depth buffer only, so that it hides what is below it. */
   set_depth_only(on: boolean): void;
 }
 
@@ -55,16 +56,10 @@ export class SmoothAreas {
   render(scene: THREE.Scene, camera: THREE.Camera, backdrop: Backdrop): void {
     const { renderer } = this;
     const { x: width, y: height } = renderer.getDrawingBufferSize(new THREE.Vector2());
-    let areas = drawn_areas(scene, [backdrop.floor, backdrop.sky], camera, width, height);
-    if (areas.length > max_areas) areas = [areas.reduce(join)];
+    const areas = tile_areas(drawn_areas(scene, [backdrop.floor, backdrop.sky], camera, width, height), width, height, max_areas);
     this.draw_objects(scene, camera, backdrop, areas, width, height);
-    renderer.shadowMap.autoUpdate = false; // the shadows are those of the first pass
-    const { mask } = camera.layers;
-    camera.layers.set(floor_layer);
     renderer.setRenderTarget(null);
-    renderer.render(scene, camera);
-    camera.layers.mask = mask;
-    renderer.shadowMap.autoUpdate = true;
+    this.draw_backdrop(scene, camera);
     if (areas.length === 0) return;
     areas.forEach(({ left, bottom, right, top }, i) => {
       const [l, b, r, t] = [(2 * left) / width - 1, (2 * bottom) / height - 1, (2 * right) / width - 1, (2 * top) / height - 1];
@@ -84,16 +79,27 @@ export class SmoothAreas {
     this.cover.material.dispose();
   }
 
+  /** Draws what is on floor_layer, with the shadows that were drawn last. */
+  private draw_backdrop(scene: THREE.Scene, camera: THREE.Camera): void {
+    const { renderer } = this;
+    renderer.shadowMap.autoUpdate = false;
+    const { mask } = camera.layers;
+    camera.layers.set(floor_layer);
+    renderer.render(scene, camera);
+    camera.layers.mask = mask;
+    renderer.shadowMap.autoUpdate = true;
+  }
+
   /** Draws the objects within the areas into `resolved`: colours multiplied by the covered part of the pixel, which is alpha. */
   private draw_objects(scene: THREE.Scene, camera: THREE.Camera, backdrop: Backdrop, areas: readonly Area[], width: number, height: number): void {
     const { renderer, gl } = this;
     this.allocate(width, height);
     const { background } = scene;
-    const sky_shown = backdrop.sky.visible;
+    const { visible: sky_shown } = backdrop.sky;
+    const { visible: floor_shown } = backdrop.floor;
     const alpha = renderer.getClearAlpha();
     scene.background = null;
     backdrop.sky.visible = false;
-    backdrop.set_depth_only(true);
     renderer.setClearAlpha(0);
     renderer.setRenderTarget(this.target);
     for (const area of areas) {
@@ -101,14 +107,24 @@ export class SmoothAreas {
       renderer.setRenderTarget(this.target);
       renderer.clear();
     }
-    // Outside the areas nothing but the floor is drawn, into a depth buffer that is not cleared and not used there.
+    renderer.autoClear = false;
+    if (floor_shown) {
+      backdrop.set_depth_only(true);
+      const sunken = join_areas(drawn_areas(scene, [backdrop.floor, backdrop.sky], camera, width, height, true));
+      for (const area of sunken.length > max_sunken ? [sunken.reduce(join)] : sunken) {
+        scissor(this.target!.scissor, area);
+        renderer.setRenderTarget(this.target);
+        this.draw_backdrop(scene, camera);
+      }
+      backdrop.set_depth_only(false);
+    }
+    backdrop.floor.visible = false;
     scissor(this.target!.scissor, areas.length > 0 ? areas.reduce(join) : { left: 0, bottom: 0, right: 0, top: 0 });
     renderer.setRenderTarget(this.target);
-    renderer.autoClear = false;
     renderer.render(scene, camera);
     renderer.autoClear = true;
     renderer.setClearAlpha(alpha);
-    backdrop.set_depth_only(false);
+    backdrop.floor.visible = floor_shown;
     backdrop.sky.visible = sky_shown;
     scene.background = background;
     const { __webglFramebuffer: to } = renderer.properties.get(this.resolved) as { __webglFramebuffer: WebGLFramebuffer };

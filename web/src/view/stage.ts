@@ -4,6 +4,7 @@ import { plain_look, type Look } from '../core/look';
 import { Floor } from './floor';
 import './shading';
 import { floor_layer, SmoothAreas } from './smooth_areas';
+import { ShadowRegion } from './shadow_region';
 import { Sky } from './sky';
 
 /** How pictures are drawn. The default is for a page that a user looks at. */
@@ -24,6 +25,7 @@ export class Stage {
   readonly scene = new THREE.Scene();
   readonly floor = new Floor();
   private readonly dome = new Sky();
+  private readonly shadow_region = new ShadowRegion();
   private readonly key = new THREE.DirectionalLight(0xfff3e4, 2.5);
   private readonly fill = new THREE.DirectionalLight(0xa9c4ff, 0.55);
   private readonly sky = new THREE.HemisphereLight(0xdfe8f7, 0x2d2b2a, 1.15);
@@ -48,6 +50,7 @@ export class Stage {
     // with software rendering, antialiasing of every frame is too slow; while nothing moves, frames are drawn at a higher resolution instead
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.software && !options.pictures, alpha: options.transparent === true, preserveDrawingBuffer: options.pictures === true, powerPreference: 'high-performance' });
     this.smooth = options.pictures ? new SmoothAreas(this.renderer) : null;
+    canvas.addEventListener('webglcontextrestored', () => this.shadow_region.reset());
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.scene.background = options.transparent ? null : this.background;
@@ -101,6 +104,13 @@ export class Stage {
     this.set_ratio(true);
   }
 
+  /** Begins to compile the shaders of the scene as it will be with `object`, and does not wait for the graphics processor. */
+  begin_compiling(object: THREE.Object3D): void {
+    this.scene.add(object);
+    this.renderer.compile(this.scene, new THREE.PerspectiveCamera());
+    this.scene.remove(object);
+  }
+
   /** Centres lights and floor on the camera's target. @param reach half width of the shadowed area, m  @param view_distance m */
   focus(centre: THREE.Vector3, reach: number, view_distance: number): void {
     const half = Math.max(2.2, Math.min(reach, 14));
@@ -139,7 +149,7 @@ export class Stage {
   render(camera: THREE.Camera, still: boolean, draft = false): void {
     this.set_ratio(still, draft);
     this.scene.updateMatrixWorld();
-    if (this.floor.object.visible) this.floor.place_patches(this.scene, this.key);
+    this.shadow_region.limit(this.key, this.floor.place_patches(this.scene, this.key));
     if (this.smooth) this.smooth.render(this.scene, camera, { floor: this.floor.object, sky: this.dome.mesh, set_depth_only: (on) => this.floor.set_depth_only(on) });
     else this.renderer.render(this.scene, camera);
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
