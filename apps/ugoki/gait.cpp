@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "gait_ground.h"
 #include "motion_files.h"
 #include "output.h"
 #include "output_files.h"
@@ -28,7 +29,8 @@ struct Options {
   std::string body, kind = "walk", style = "usual", out, mechanism_out, project;
   std::vector<std::string> then, path;
   std::vector<double> phases;
-  double height = 0, speed = -1, turn = 0, slope = 0, stairs = 0, stair_depth = 0.3, assist = 0;
+  double height = 0, speed = -1, turn = 0, assist = 0;
+  GaitGround ground;
   bool stride = false, moving = false, json = false;
   bool timed = false;  ///< the duration was given
   gait::GaitOptions gait;
@@ -97,14 +99,7 @@ Result<gait::GaitOptions> gait_options(const Options& o) {
     if (!point) return fail(ErrorCode::syntax, "--path '" + text + "'", "This is not a point.", "Give x and y in m, for example 2,0.5.");
     out.path.push_back({(*point)[0], (*point)[1], 0});
   }
-  if (o.slope != 0) {
-    const double rise = tan(o.slope * degree);
-    out.ground = [rise](double x, double) { return rise * x; };
-  }
-  if (o.stairs != 0)
-    out.ground = [before = out.ground, rise = o.stairs, depth = o.stair_depth](double x, double y) {
-      return (before ? before(x, y) : 0.0) + (x > 1 ? rise * (std::floor((x - 1) / depth) + 1) : 0.0);
-    };
+  if (o.project.empty()) out.ground = height_of(o.ground);  // in a project, balance control adapts the gait of level ground
   return out;
 }
 
@@ -114,6 +109,7 @@ Result<void> write_project(const Options& o, const MechanismPtr& mechanism, cons
   content::Scenario scenario = clip_scenario(clip, 0.002);
   scenario.name = motion.name;
   for (content::ScenarioCharacter& c : scenario.characters) c.control.assist_limit = o.assist;
+  if (Result<void> put = add_ground(o.ground, motion, scenario); !put) return fail(std::move(put.error()));
   const Result<project::Project> made = project::Project::create(o.project, scenario, clip_resources(clip));
   if (!made) return fail(made.error());
   return {};
@@ -124,10 +120,12 @@ int run_gait(const Options& o) {
           {{"body", o.body}}, {{"--out", writes_file(o.out) ? o.out : ""}, {"--mechanism-out", o.mechanism_out}, {"--project", o.project}});
       !may)
     return print_error(may.error(), o.json);
-  if (!o.project.empty() && (o.slope != 0 || o.stairs != 0))
-    return print_error({ErrorCode::range, "--project", "The ground of a project is level.",
-                        "Write the motion to a file instead, or leave out --slope and --stairs."},
-                       o.json);
+  if (!o.project.empty() && !o.out.empty() && !o.ground.level())
+    return print_error(
+        {ErrorCode::range, "--out",
+         "In a project, a slope or stairs are props, and the motion is that of level ground; a motion file follows the ground.",
+         "Call `ugoki gait` twice, once with --project and once with --out."},
+        o.json);
   Result<gait::GaitOptions> options = gait_options(o);
   if (!options) return print_error(options.error(), o.json);
   const Result<MechanismPtr> body = load_body(o.body, o.height, o.source);
@@ -212,10 +210,10 @@ void add_gait_verb(Verb app, Action& action) {
   verb.add_option("--duty", o->gait.duty, "Share of the stride in which a foot stands (default: from the table)")
       .check(number_from(0, 0.95));
   verb.add_option("--phases", o->phases, "Touch-down of each leg as a share of the stride, in the order of the report").delimiter(',');
-  verb.add_option("--slope", o->slope, "Slope of the ground ahead, degrees").check(number_from(-30, 30));
-  verb.add_option("--stairs", o->stairs, "Height of the steps of stairs that begin 1 m ahead, m; negative: downwards")
+  verb.add_option("--slope", o->ground.slope, "Slope of the ground ahead, degrees").check(number_from(-30, 30));
+  verb.add_option("--stairs", o->ground.stairs, "Height of the steps of stairs that begin 1 m ahead, m; negative: downwards")
       .check(number_from(-1, 1));
-  verb.add_option("--stair-depth", o->stair_depth, "Depth of a step, m").check(number_from(0.05, 10)).capture_default_str();
+  verb.add_option("--stair-depth", o->ground.stair_depth, "Depth of a step, m").check(number_from(0.05, 10)).capture_default_str();
   verb.add_option("--rate", o->gait.rate, "Frames per second").check(number_from(20, 1000)).capture_default_str();
   verb.add_option("--gravity", o->gait.gravity, "m/s^2").check(number_from(0.1, 100)).capture_default_str();
   verb.add_option("-o,--out", o->out, "Output: a .bvh or .glb file, or the name of a new entry in the library");

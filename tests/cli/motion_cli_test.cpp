@@ -164,5 +164,25 @@ TEST_F(MotionCliTest, RetargetToChildDogAndRobot) {
   misunderstands({"retarget", walk_, "--to", "dog", "--gait-phase", "7"});
 }
 
+// A project of a gait on a slope or on stairs has the ground as props, and the character goes up or down on it without root assist.
+TEST_F(MotionCliTest, GaitBringsItsGround) {
+  struct Case {
+    const char* option;
+    const char* value;
+    std::size_t characters;  // the human, the ramp or the stairs, and downwards a platform
+  };
+  for (const Case& c : {Case{"--slope", "8", 2}, Case{"--slope", "-8", 3}, Case{"--stairs", "0.03", 2}}) {
+    const std::string project = path(std::string("ground") + c.option + c.value + ".ugoki");
+    (void)json({"gait", "human", "--speed", "1", "--seconds", "6", c.option, c.value, "--project", project});
+    EXPECT_EQ(json({"info", project})["characters"].size(), c.characters) << c.option << " " << c.value;
+    const Json run = json({"run", project, "--duration", "5"});
+    EXPECT_FALSE(run["characters"][0]["fell"].get<bool>()) << c.option << " " << c.value << " " << run["characters"][0];
+    EXPECT_LT(run["characters"][0]["tracking_rms_deg"].get<double>(), 10) << c.option << " " << c.value;
+  }
+  const std::string both = path("both.ugoki");
+  fails({"gait", "human", "--slope", "5", "--stairs", "0.1", "--project", both}, "not both");
+  fails({"gait", "human", "--slope", "5", "--project", both, "--out", path("both.bvh")}, "Call `ugoki gait` twice");
+}
+
 }  // namespace
 }  // namespace ugoki::cli

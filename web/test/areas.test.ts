@@ -133,13 +133,13 @@ describe('areas below the floor', () => {
 describe('tile_areas', () => {
   it('contains each pixel of the given areas exactly once, in at most the given number of rectangles', () => {
     const next = random(5);
-    for (const most of [1, 6, 64, 1000]) {
+    for (const max_count of [1, 6, 64, 1000]) {
       const given = Array.from({ length: 12 }, () => {
         const [left, bottom] = [Math.floor(next.next().value * width), Math.floor(next.next().value * height)];
         return { left, bottom, right: Math.min(width, left + 1 + Math.floor(next.next().value * 90)), top: Math.min(height, bottom + 1 + Math.floor(next.next().value * 90)) };
       });
-      const tiles = tile_areas(given, width, height, most);
-      expect(tiles.length).toBeLessThanOrEqual(most);
+      const tiles = tile_areas(given, width, height, max_count);
+      expect(tiles.length).toBeLessThanOrEqual(max_count);
       for (let y = 0; y < height; y += 3)
         for (let x = 0; x < width; x += 3) {
           const count = inside(tiles, x, y);

@@ -128,8 +128,8 @@ export function drawn_areas(scene: THREE.Object3D, without: readonly THREE.Objec
   return known ? areas : [{ left: 0, bottom: 0, right: width, top: height }];
 }
 
-/** Disjoint rectangles that contain the areas and little more: tiles in which an area lies, joined to at most `most` rectangles. */
-export function tile_areas(areas: readonly Area[], width: number, height: number, most: number, edge = smallest_tile): Area[] {
+/** Disjoint rectangles that contain the areas and little more: tiles in which an area lies, joined to at most `max_count` rectangles. */
+export function tile_areas(areas: readonly Area[], width: number, height: number, max_count: number, edge = smallest_tile): Area[] {
   const [columns, rows] = [Math.ceil(width / edge), Math.ceil(height / edge)];
   const used = new Uint8Array(columns * rows);
   for (const { left, bottom, right, top } of areas)
@@ -152,7 +152,7 @@ export function tile_areas(areas: readonly Area[], width: number, height: number
     }
     below = reached;
   }
-  return out.length <= most ? out : tile_areas(areas, width, height, most, 2 * edge);
+  return out.length <= max_count ? out : tile_areas(areas, width, height, max_count, 2 * edge);
 }
 
 /** Joins areas that meet, and areas whose common rectangle is little larger than both. @return disjoint areas */
