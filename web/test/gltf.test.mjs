@@ -45,8 +45,8 @@ function clips() {
     ...list('human/bvh', ['.bvh']),
     ...list('human/asf_amc', ['.amc']),
     ...list('human/c3d', ['02_01.c3d']),
-    ...list('animal', ['.glb', '.trc']),
-    ...list('gltf', ['.glb', '.gltf']).filter(isWhole),
+    ...list('animal', ['.glb', '.trc']).filter(canMove),
+    ...list('gltf', ['.glb', '.gltf']).filter(isWhole).filter(canMove),
   ];
 }
 
@@ -55,6 +55,15 @@ function isWhole(path) {
   if (!path.endsWith('.gltf')) return true;
   const { buffers = [] } = JSON.parse(readFileSync(path, 'utf8'));
   return buffers.every(({ uri = '' }) => uri === '' || uri.startsWith('data:') || existsSync(join(dirname(path), uri)));
+}
+
+/// Whether a file has more than meshes, which are no motion: a skin or an animation.
+function canMove(path) {
+  if (!/\.gl(b|tf)$/.test(path)) return true;
+  const bytes = readFileSync(path);
+  const text = path.endsWith('.glb') ? bytes.subarray(20, 20 + bytes.readUInt32LE(12)) : bytes;
+  const { skins = [], animations = [] } = JSON.parse(text.toString());
+  return skins.length + animations.length > 0;
 }
 
 /// Errors and warnings of the validator for the file that the program writes from `input`.
