@@ -155,7 +155,12 @@ export const prop_journeys = [
 
       // a drag in the viewport moves the ramp over the floor
       const from = (await prop(ramp)).place;
-      const at = await hook(page, `to_screen([${from.x}, ${from.y}, 0.2])`);
+      let at = null;
+      await until(page, async () => {
+        const before = at; // the camera may still move to the prop that was added last
+        at = await hook(page, `to_screen([${from.x}, ${from.y}, 0.2])`);
+        return before !== null && Math.hypot(at.x - before.x, at.y - before.y) < 0.1;
+      }, 'a camera that stands still');
       await page.mouse.click(at.x, at.y);
       await until(page, async () => (await page.locator('.inspector h3').textContent()).includes('Ramp'), 'the selected ramp');
       await page.mouse.move(at.x, at.y);

@@ -261,6 +261,7 @@ export const rule_journeys = [
         await page.keyboard.down('k');
         await until(page, async () => (await page.locator('.rule').first().locator('.rule-count').textContent()) === 'now', `press ${n}`);
         await page.keyboard.up('k');
+        await until(page, async () => (await page.locator('.rule').first().locator('.rule-count').textContent()) !== 'now', `release ${n}`);
         await until(page, async () => (await value.textContent()) === String(Math.min(n, 4)), `the count ${n}`);
         await until(page, async () => (await page.locator('.variable strong').textContent()) === String(Math.min(n, 4)), 'the same value above the rules');
         await until(page, async () => /1×|now/.test(await second.locator('.rule-count').textContent()) === n >= 3, `the motion starts with the third press, not with ${n}`);

@@ -39,6 +39,8 @@ async function recover(page, before, folder) {
     await page.locator('.project-name', { hasText: project }).waitFor({ timeout: 30000 });
     await page.waitForTimeout(1000);
   }
+  const scenario = page.getByRole('tab', { name: 'Scenario' });
+  if ((await scenario.count()) > 0) await scenario.click(); // the journey may have left another panel on top, which a reload keeps
   for (let undone = 0; undone < 50 && (await document_of(page)) !== before; undone++) {
     if (!(await page.evaluate('window.ugoki.undo().can_undo'))) break;
     await page.keyboard.press('Control+z');
