@@ -25,7 +25,7 @@ struct LyingResult {
   double time = 0;  ///< s: mean time of the bodies that stand
 };
 
-/// A body stands if its centre of mass is higher than 0.9 of that in standing and slower than 0.2 m/s.
+/// A body stands if its centre of mass is above 0.9 times its height in standing and moves slower than 0.2 m/s.
 LyingResult run_lying(const LyingSettings& settings);
 
 }  // namespace ugoki::bench

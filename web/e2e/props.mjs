@@ -30,6 +30,16 @@ export async function add_table(page, files = table_files()) {
   await chooser.setFiles(files);
 }
 
+/** Simulates the content from its start for a second or little more. */
+async function simulate_second(page) {
+  await set_mode(page, 'Simulate');
+  await blur(page);
+  await page.keyboard.press('Control+Home');
+  await page.keyboard.press('Space');
+  await until(page, async () => (await hook(page, 'transport()')).simulated > 1, 'a second of simulation');
+  await page.keyboard.press('Space');
+}
+
 export const prop_journeys = [
   {
     name: 'mesh props: a table from a file with colours is sized, made to move, a box lies on it; all is undone; a damaged file is refused',
@@ -94,16 +104,11 @@ export const prop_journeys = [
       const crate = async () => (await props()).find((c) => c.id === box);
       await page.locator('.inspector').getByRole('switch', { name: 'Moves' }).or(page.locator('.inspector').getByLabel('Moves')).first().click();
       await until(page, async () => (await crate()).prop.mass === 10, 'a mass');
-      for (const label of ['Length', 'Width', 'Height']) await set(label, 0.3, async () => (await crate()).prop.size.includes(0.3));
+      for (const [i, label] of ['Length', 'Width', 'Height'].entries()) await set(label, 0.3, async () => (await crate()).prop.size[i] === 0.3);
       await set('X', 3, async () => (await crate()).place.x === 3);
       await set('Y', 2.5, async () => (await crate()).place.y === 2.5);
       await set('Z', 1.1, async () => (await crate()).place.z === 1.1);
-      await set_mode(page, 'Simulate');
-      await blur(page);
-      await page.keyboard.press('Control+Home');
-      await page.keyboard.press('Space');
-      await until(page, async () => (await hook(page, 'transport()')).simulated > 1, 'a second of simulation');
-      await page.keyboard.press('Space');
+      await simulate_second(page);
       const height = (await hook(page, `character(${JSON.stringify(box)})`)).com[2] - 0.15;
       assert.ok(Math.abs(height - 0.9) < 0.005, `the box lies on the table: its bottom is at ${height} m`);
       await page.screenshot({ path: `${pictures}mesh-prop-simulated.png` });
@@ -169,12 +174,7 @@ export const prop_journeys = [
       await page.mouse.up();
       await until(page, async () => { const { place } = await prop(ramp); return Math.hypot(place.x - from.x, place.y - from.y) > 0.1; }, 'the moved ramp');
 
-      await set_mode(page, 'Simulate');
-      await blur(page);
-      await page.keyboard.press('Control+Home');
-      await page.keyboard.press('Space');
-      await until(page, async () => (await hook(page, 'transport()')).simulated > 1, 'a second of simulation');
-      await page.keyboard.press('Space');
+      await simulate_second(page);
       const height = (await hook(page, `character(${JSON.stringify(crate)})`)).com[2] - 0.25;
       assert.ok(Math.abs(height - 0.8) < 0.005, `the crate lies on the highest step: its bottom is at ${height} m`);
       await page.screenshot({ path: `${pictures}props-simulated.png` });

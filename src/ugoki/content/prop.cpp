@@ -94,7 +94,8 @@ Inertia stretched(const Inertia& body, const Vec3& s) {
   return {body.mass, stretched(body.h, s), {yy + zz, zz + xx, xx + yy, I.xy * s.x * s.y, I.xz * s.x * s.z, I.yz * s.y * s.z}};
 }
 
-/// Shapes of a mesh prop, in the frame of its mesh. With `surface`, what is seen collides; otherwise the hull, or the hulls of the parts.
+/// Shapes of a mesh prop, in the frame of its mesh. With `surface`, the mesh itself collides; otherwise its hull, or the hulls of its
+/// parts.
 std::vector<Shape> mesh_shapes(const Prop& p, const Link& body) {
   const auto is_part = [](const Shape& s) { return !s.visible && !s.collides; };
   const bool by_parts = p.collision == MeshCollision::parts && std::any_of(body.shapes.begin(), body.shapes.end(), is_part);

@@ -21,6 +21,7 @@
 #include "ugoki/formats/text.h"
 #include "ugoki/scene_formats/collada_core.h"
 #include "ugoki/scene_formats/scene_joints.h"
+#include "ugoki/scene_formats/scene_metadata.h"
 
 namespace ugoki::scene_formats {
 namespace {
@@ -216,26 +217,14 @@ class MeshParser {
     return false;
   }
 
-  /// A number of assimp's metadata.
-  std::optional<double> number(const char* key) const {
-    if (!scene_.mMetaData) return std::nullopt;
-    int whole = 0;
-    float single = 0;
-    double real = 0;
-    if (scene_.mMetaData->Get(key, real)) return real;
-    if (scene_.mMetaData->Get(key, single)) return static_cast<double>(single);
-    if (scene_.mMetaData->Get(key, whole)) return whole;
-    return std::nullopt;
-  }
-
   /// Converts the vertices to metres and Z up. FBX states its unit in cm; COLLADA was converted to metres by assimp; glTF is in metres.
   void to_metres() {
     const bool fbx = ending_ == "fbx", stated = fbx || ending_ == "dae" || ending_ == "glb" || ending_ == "gltf";
     int up = 1;
     if (ending_ == "stl" || ending_ == "ply") up = 2;
     if (ending_ == "dae") up = up_;
-    if (fbx) up = std::clamp(static_cast<int>(number("UpAxis").value_or(1)), 0, 2);
-    double metres = fbx ? 0.01 * number("UnitScaleFactor").value_or(1) : 1;
+    if (fbx) up = std::clamp(static_cast<int>(metadata_number(scene_, "UpAxis").value_or(1)), 0, 2);
+    double metres = fbx ? 0.01 * metadata_number(scene_, "UnitScaleFactor").value_or(1) : 1;
     if (!(metres > 0 && std::isfinite(metres))) metres = 1;
     Vec3 low = out_.vertices.front(), high = low;
     for (const Vec3& p : out_.vertices)

@@ -17,6 +17,7 @@
 #include "ugoki/scene_formats/fbx_core.h"
 #include "ugoki/scene_formats/scene_file.h"
 #include "ugoki/scene_formats/scene_joints.h"
+#include "ugoki/scene_formats/scene_metadata.h"
 
 namespace ugoki::scene_formats {
 namespace {
@@ -142,27 +143,15 @@ class SceneReader {
     }
   }
 
-  /// Returns a number from assimp's metadata of the file, of type double, float or int.
-  [[nodiscard]] std::optional<double> number(const char* key) const {
-    if (!scene_.mMetaData) return std::nullopt;
-    int whole = 0;
-    float single = 0;
-    double real = 0;
-    if (scene_.mMetaData->Get(key, real)) return real;
-    if (scene_.mMetaData->Get(key, single)) return static_cast<double>(single);
-    if (scene_.mMetaData->Get(key, whole)) return whole;
-    return std::nullopt;
-  }
-
   /// Determines up axis and unit. FBX files state the up axis and the unit in cm. COLLADA files were converted to metres by assimp.
   void find_axes() {
-    const bool fbx = number("UnitScaleFactor").has_value() || number("UpAxis").has_value();
-    const int up = fbx ? static_cast<int>(number("UpAxis").value_or(1)) : collada_up_;
-    const double sign = fbx && number("UpAxisSign").value_or(1) < 0 ? -1 : 1;
+    const bool fbx = metadata_number(scene_, "UnitScaleFactor").has_value() || metadata_number(scene_, "UpAxis").has_value();
+    const int up = fbx ? static_cast<int>(metadata_number(scene_, "UpAxis").value_or(1)) : collada_up_;
+    const double sign = fbx && metadata_number(scene_, "UpAxisSign").value_or(1) < 0 ? -1 : 1;
     R_ = axes_with_up(up);
     if (sign < 0) R_ = Mat3::diagonal(1, -1, -1) * R_;
     notes_.z_up = up == 2;
-    const double scale = number("UnitScaleFactor").value_or(1);
+    const double scale = metadata_number(scene_, "UnitScaleFactor").value_or(1);
     double metres = fbx ? 0.01 * (std::isfinite(scale) && scale > 0 ? scale : 1) : 1;
     if (options_.metres_per_unit > 0) {
       metres = options_.metres_per_unit;

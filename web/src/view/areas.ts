@@ -12,7 +12,7 @@ export interface Area {
 const margin = 2; // px: rounding of corners to pixels
 const nearest = 1e-3; // smallest depth in front of the camera that is drawn, m; smaller than the near distance of every camera
 
-const floor_margin = 1e-3; // m: what is at least this high is not below the floor
+const floor_margin = 1e-3; // m: a body whose lowest point is higher than this is not below the floor
 const smallest_tile = 32; // px
 const area_cost = 10_000; // px: each area has its own calls of WebGL, which take about the time of this many pixels
 

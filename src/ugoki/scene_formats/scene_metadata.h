@@ -1,0 +1,22 @@
+#pragma once
+// Numbers in assimp's metadata of a file, such as unit and up axis. Internal to scene_formats.
+
+#include <assimp/scene.h>
+
+#include <optional>
+
+namespace ugoki::scene_formats {
+
+/// Returns the number `key`, of type double, float or int; nothing if the file does not state it.
+[[nodiscard]] inline std::optional<double> metadata_number(const aiScene& scene, const char* key) {
+  if (!scene.mMetaData) return std::nullopt;
+  int whole = 0;
+  float single = 0;
+  double real = 0;
+  if (scene.mMetaData->Get(key, real)) return real;
+  if (scene.mMetaData->Get(key, single)) return static_cast<double>(single);
+  if (scene.mMetaData->Get(key, whole)) return whole;
+  return std::nullopt;
+}
+
+}  // namespace ugoki::scene_formats
