@@ -13,6 +13,7 @@
 #include "ugoki/control/balance_control.h"
 #include "ugoki/control/fall_control.h"
 #include "ugoki/control/return_motion.h"
+#include "ugoki/control/still_motion.h"
 #include "ugoki/dynamics/centroidal.h"
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/mechanism/state.h"
@@ -23,22 +24,6 @@ namespace {
 
 constexpr double dt = 0.002;
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// A track that stands still.
-class Still final : public control::ReferenceMotion {
- public:
-  explicit Still(std::vector<double> q) : q_(std::move(q)) {}
-  void sample(double, std::span<double> q, std::span<double> v, std::span<double> a) const override {
-    std::ranges::copy(q_, q.begin());
-    std::ranges::fill(v, 0.0);
-    std::ranges::fill(a, 0.0);
-  }
-  [[nodiscard]] double end() const override { return 60; }
-  [[nodiscard]] const std::vector<double>& q() const { return q_; }
-
- private:
-  std::vector<double> q_;
-};
 
 /// The drives of recovery and balance control.
 class Recovery {
@@ -131,11 +116,11 @@ LyingResult run_lying(const LyingSettings& settings) {
   const MechanismPtr& m = settings.mechanism;
   world::World world({m});
   world::WorldStepper stepper(world);
-  const auto track = std::make_shared<const Still>([&] {
+  const auto track = std::make_shared<const control::StillMotion>([&] {
     control::FallControl fall(m, {.get_up = true});
     const control::GetUpPlan* plan = fall.make_plan();
     return plan ? plan->way.back().q : m->neutral();
-  }());
+  }(), 60.0);
   std::vector<Pose> X(at(m->link_count()));
   calc_poses(*m, track->q(), X);
   const double standing = centre_of_mass(*m, X).z;

@@ -13,6 +13,7 @@
 #include "ugoki/control/balance_control.h"
 #include "ugoki/control/fall_control.h"
 #include "ugoki/control/return_motion.h"
+#include "ugoki/control/still_motion.h"
 #include "ugoki/dynamics/centroidal.h"
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/mechanism/state.h"
@@ -25,21 +26,6 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double dt = 0.002;
-
-/// A track that stands still in a posture.
-class Still final : public ReferenceMotion {
- public:
-  explicit Still(std::vector<double> q) : q_(std::move(q)) {}
-  void sample(double, std::span<double> q, std::span<double> v, std::span<double> a) const override {
-    std::ranges::copy(q_, q.begin());
-    std::ranges::fill(v, 0.0);
-    std::ranges::fill(a, 0.0);
-  }
-  [[nodiscard]] double end() const override { return 20; }
-
- private:
-  std::vector<double> q_;
-};
 
 GetUpPlan plan_of(const MechanismPtr& m) {
   const std::optional<BodyPlan> body = body_plan_of(*m);
@@ -157,7 +143,7 @@ struct Drives {
 
 TEST(GetUp, RisesFromTheFrontAndStands) {
   Lying body(1.75);
-  const auto track = std::make_shared<const Still>(body.plan.way.back().q);
+  const auto track = std::make_shared<const StillMotion>(body.plan.way.back().q);
   Drives drives(body);
   const double stands = body.plan.way.back().centre.z;
   double up = -1;
@@ -180,7 +166,7 @@ TEST(GetUp, RisesFromTheBackAndFromTheSides) {
   unsigned seed = 1;
   for (const auto& [size, turn] : starts) {
     Lying body(size, turn, 0.6, seed++);
-    const auto track = std::make_shared<const Still>(body.plan.way.back().q);
+    const auto track = std::make_shared<const StillMotion>(body.plan.way.back().q);
     Drives drives(body);
     const double stands = body.plan.way.back().centre.z;
     double up = -1;
@@ -197,7 +183,7 @@ TEST(GetUp, RisesFromTheBackAndFromTheSides) {
 TEST(GetUp, RisesOnAPlatformAndOnASlope) {
   for (const auto& [height, slope] : {std::pair{0.8, 0.0}, {0.0, 0.07}, {0.0, -0.1}}) {
     Lying body(1.75, rotation_about({0, 1, 0}, pi / 2), 0, 0, make_ground(height, slope), height);
-    const auto track = std::make_shared<const Still>(body.plan.way.back().q);
+    const auto track = std::make_shared<const StillMotion>(body.plan.way.back().q);
     Drives drives(body);
     const double stands = body.plan.way.back().centre.z;
     double up = -1;
@@ -214,7 +200,7 @@ TEST(GetUp, RisesOnAPlatformAndOnASlope) {
 
 TEST(GetUp, SameBitsAfterRestore) {
   Lying a(1.75);
-  const auto track = std::make_shared<const Still>(a.plan.way.back().q);
+  const auto track = std::make_shared<const StillMotion>(a.plan.way.back().q);
   Drives first(a);
   for (int i = 0; i < 600; ++i) first.step(a, track);
   Lying b(1.75);
@@ -282,7 +268,7 @@ TEST(ReturnMotion, IsContinuousAndJoinsTheTrack) {
   const GetUpPlan plan = plan_of(m);
   std::vector<double> aside = plan.way.back().q;
   displace_root(*m, {2, 1, 0, 0.7}, aside);
-  const auto track = std::make_shared<const Still>(aside);
+  const auto track = std::make_shared<const StillMotion>(aside);
   const ReturnMotion way(m, track, plan, 3, 0);
   EXPECT_LE(way.begin(), 3);
   EXPECT_LT(way.begin(), way.stands());
