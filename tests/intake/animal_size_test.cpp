@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "ugoki/intake/intake.h"
 #include "ugoki/intake/species.h"
@@ -178,6 +180,56 @@ TEST(Species, NamesOfFilesAndJointsStateTheSpecies) {
   ASSERT_TRUE(both);
   EXPECT_DOUBLE_EQ(both->lightest, 1);
   EXPECT_DOUBLE_EQ(both->heaviest, 14);
+}
+
+/// An animal with a trunk of 0.7 m whose joints swing.
+MeasuredMotion walking_animal() {
+  MeasuredMotion m;
+  m.rate = 30;
+  m.frames = 40;
+  const auto add = [&](const std::string& name, int parent, const Vec3& offset, const Vec3& end) {
+    SkeletonJoint j;
+    j.name = name;
+    j.parent = parent;
+    j.offset = offset;
+    j.translates = parent < 0;
+    if (norm(end) > 0) j.end_sites.push_back(end);
+    m.skeleton.joints.push_back(std::move(j));
+    return m.joint_count() - 1;
+  };
+  const int hips = add("Hips", -1, {0, 0, 0.8}, {}), chest = add("Chest", hips, {0.7, 0, 0}, {});
+  add("Head", add("Neck", chest, {0.2, 0, 0.2}, {}), {0.3, 0, 0.3}, {0.4, 0, -0.2});
+  add("Tail", hips, {-0.2, 0, 0.1}, {-0.3, 0, -0.4});
+  for (const bool fore : {true, false})
+    for (const auto& [side, y] : {std::pair(std::string(".L"), 0.2), {".R", -0.2}}) {
+      const int upper = add((fore ? "FrontUpperLeg" : "BackUpperLeg") + side, fore ? chest : hips, {0, y, -0.1}, {});
+      const int lower = add((fore ? "FrontLowerLeg" : "BackLowerLeg") + side, upper, {0, 0, -0.35}, {});
+      add((fore ? "FrontPaw" : "BackPaw") + side, lower, {0, 0, -0.3}, {0.05, 0, -0.05});
+    }
+  for (int f = 0; f < m.frames; ++f)
+    for (int i = 0; i < m.joint_count(); ++i) {
+      m.translations.push_back(m.skeleton.joints[static_cast<std::size_t>(i)].offset);
+      m.rotations.push_back(i == hips ? Quat{} : axis_angle({0, 1, 0}, 0.2 * std::sin(0.3 * f + 0.9 * i)));
+    }
+  return m;
+}
+
+TEST(Species, AnAnimalOfUnusualSizeGetsTheClosestUsualMass) {
+  const MeasuredMotion motion = walking_animal();
+  auto body = body::make_body(motion);
+  ASSERT_TRUE(body) << body.error().text();
+  ASSERT_EQ(body->anatomy.plan, "four legs");
+  const double by_size = body->mass, height = body->height;
+  ASSERT_GT(by_size, 60);
+  EXPECT_EQ(limit_mass(*body, *species_mass("deer"), motion, {}), "");
+  EXPECT_DOUBLE_EQ(body->mass, by_size);
+  const std::string sentence = limit_mass(*body, *species_mass("cat"), motion, {});
+  EXPECT_NE(sentence.find("8.00 kg"), std::string::npos) << sentence;
+  EXPECT_NEAR(body->mass, 8, 1e-9);
+  EXPECT_NEAR(body->mechanism->mass(), 8, 1e-9);
+  EXPECT_DOUBLE_EQ(body->height, height) << "only the mass changes";
+  EXPECT_NE(limit_mass(*body, *species_mass("horse"), motion, {}), "");
+  EXPECT_NEAR(body->mass, 90, 1e-9);
 }
 
 TEST(Species, AnUnknownSpeciesOfTheCallerIsRefused) {

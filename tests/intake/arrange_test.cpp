@@ -9,6 +9,7 @@
 #include "ugoki/body/body.h"
 #include "ugoki/intake/scale.h"
 #include "ugoki/intake/support.h"
+#include "ugoki/intake/tree_edit.h"
 #include "ugoki/samples/samples.h"
 #include "ugoki/spatial/elementary.h"
 
@@ -143,8 +144,8 @@ TEST(Arrange, WalkingInPlaceIsFoundAndGetsItsTravel) {
   EXPECT_LT(max_distance(before, walk), 0.15 * norm(travel));
 }
 
-TEST(Arrange, FeetDrivenFromTheRootAreAttachedToTheirShanks) {
-  // Game rigs: the feet are children of the root, and inverse kinematics keeps them at the ends of the shanks.
+/// The walk with feet that are children of the root; inverse kinematics keeps them at the ends of the shanks, as in rigs of games.
+MeasuredMotion walk_with_feet_at_root() {
   const MeasuredMotion before = samples::make_human_walk();
   MeasuredMotion odd = before;
   const std::size_t n = before.skeleton.joints.size();
@@ -162,6 +163,67 @@ TEST(Arrange, FeetDrivenFromTheRootAreAttachedToTheirShanks) {
     odd.skeleton.joints[foot].offset = rest[foot] - rest[0];
     odd.skeleton.joints[foot].translates = true;
   }
+  return odd;
+}
+
+/// Adds a joint without a parent, which does not move. @param first true: before all other joints
+void add_still_joint(MeasuredMotion& m, const std::string& name, const Vec3& place, bool first) {
+  std::vector<std::vector<Pose>> world = world_of(m);
+  SkeletonJoint joint;
+  joint.name = name;
+  joint.offset = place;
+  joint.translates = true;
+  m.skeleton.joints.insert(first ? m.skeleton.joints.begin() : m.skeleton.joints.end(), joint);
+  if (first)
+    for (SkeletonJoint& j : m.skeleton.joints) j.parent += j.parent >= 0 ? 1 : 0;
+  for (std::vector<Pose>& X : world) X.insert(first ? X.begin() : X.end(), Pose{Mat3::identity(), place});
+  set_world(m, world);
+}
+
+TEST(Arrange, ACameraFarAwayDoesNotChangeTheSizeOfTheSkeleton) {
+  MeasuredMotion odd = walk_with_feet_at_root();
+  add_still_joint(odd, "Camera", {-40, 30, 20}, false);
+  std::vector<std::string> report;
+  const body::Character character = arrange(std::span(&odd, 1), report);
+  EXPECT_EQ(character.plan, body::BodyPlan::human) << character.why_not;
+  EXPECT_EQ(find(odd, "Camera"), -1);
+  const int foot = find(odd, "LeftFoot");
+  ASSERT_GE(foot, 0);
+  EXPECT_EQ(odd.skeleton.joints[static_cast<std::size_t>(odd.skeleton.joints[static_cast<std::size_t>(foot)].parent)].name, "LeftLeg");
+}
+
+TEST(Arrange, PelvisAndTrunkOnTwoBranchesAreJoined) {
+  const MeasuredMotion before = samples::make_human_walk();
+  for (const bool on_ground : {true, false}) {
+    MeasuredMotion odd = before;
+    if (on_ground) add_still_joint(odd, "Ground", {0.5, 0, 0}, true);
+    const std::vector<std::vector<Pose>> world = world_of(odd);
+    const std::vector<Vec3> rest = rest_positions(odd.skeleton);
+    const int hips = find(odd, "Hips");
+    for (std::size_t i = 0; i < odd.skeleton.joints.size(); ++i) {
+      SkeletonJoint& j = odd.skeleton.joints[i];
+      if (j.name != "Hips" && !(j.parent == hips && j.name.find("Spine") != std::string::npos)) continue;
+      j.parent = on_ground ? 0 : -1;
+      j.offset = rest[i] - (on_ground ? rest[0] : Vec3{});
+      j.translates = true;
+    }
+    set_world(odd, world);
+    ASSERT_EQ(body::recognise_character(odd).plan, body::BodyPlan::other);
+    std::vector<std::string> report;
+    const body::Character character = arrange(std::span(&odd, 1), report);
+    EXPECT_EQ(character.plan, body::BodyPlan::human) << character.why_not;
+    std::vector<Pose> X, Y;  // a joint whose direction in the tree is reversed moves to its former child
+    before.calc_joint_poses(before.frames / 2, X);
+    odd.calc_joint_poses(odd.frames / 2, Y);
+    for (const char* name : {"Head", "LeftHand", "RightHand", "LeftFoot", "RightFoot", "LeftUpLeg"})
+      EXPECT_LT(norm(X[static_cast<std::size_t>(find(before, name))].p - Y[static_cast<std::size_t>(find(odd, name))].p), 1e-9) << name;
+    EXPECT_TRUE(std::ranges::any_of(report, [](const std::string& r) { return r.find("another branch") != std::string::npos; }));
+  }
+}
+
+TEST(Arrange, FeetDrivenFromTheRootAreAttachedToTheirShanks) {
+  const MeasuredMotion before = samples::make_human_walk();
+  MeasuredMotion odd = walk_with_feet_at_root();
   EXPECT_NE(body::recognise_character(odd).plan, body::BodyPlan::human) << "the feet must be missing before";
   std::vector<std::string> report;
   const body::Character character = arrange(std::span(&odd, 1), report);

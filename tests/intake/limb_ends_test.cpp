@@ -105,6 +105,24 @@ TEST(LimbEnds, EndsFromTheMeshStayOnThePawsOfARecognisedAnimal) {
     EXPECT_EQ(j.end_sites.size(), j.name.starts_with("FrontPaw") ? 1U : 0U) << j.name;
 }
 
+TEST(LimbEnds, EndsFromTheMeshThatLiftTheOtherPairOfPawsAreLeftOut) {
+  for (const double length : {0.05, 0.5}) {
+    std::vector<Bone> bones = spine();
+    for (const bool fore : {true, false})
+      for (const auto& [side, y] : {std::pair(std::string(".L"), 0.2), {".R", -0.2}}) {
+        const int upper = static_cast<int>(bones.size());
+        bones.push_back({(fore ? "FrontUpperLeg" : "BackUpperLeg") + side, fore ? 1 : 0, {0, y, -0.1}, {}});
+        bones.push_back({(fore ? "FrontLowerLeg" : "BackLowerLeg") + side, upper, {0, 0, -0.35}, {}});
+        bones.push_back({(fore ? "FrontPaw" : "BackPaw") + side, upper + 1, {0, 0, -0.3}, {0.05, 0, fore ? -0.05 : -length}});
+      }
+    std::vector<MeasuredMotion> motions = {moving(bones)};
+    std::vector<std::string> report;
+    ASSERT_EQ(arrange(motions, report, nullptr, true).plan, body::BodyPlan::four_legs);
+    for (const SkeletonJoint& j : motions[0].skeleton.joints)
+      if (j.name.find("Paw") != std::string::npos) EXPECT_EQ(j.end_sites.size(), length < 0.1 ? 1U : 0U) << j.name;
+  }
+}
+
 TEST(LimbEnds, AHorseOfTwoBonesForEachLegIsFourLegged) {
   for (const bool names : {true, false}) {
     std::vector<MeasuredMotion> motions = {moving(horse(names))};

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "ugoki/base/number.h"
@@ -235,6 +237,18 @@ std::optional<AnimalSize> size_of_animal(const body::Character& character, std::
   out.reason =
       reason_for(out, {mass(1), mass(k), character.trunk_length * k, fall * k, fall, by_gait, lightest, heaviest}, trusted, species);
   return out;
+}
+
+std::string limit_mass(body::Body& body, const SpeciesMass& species, const MeasuredMotion& motion, body::BodyOptions options) {
+  const double by_size = body.mass;
+  options.mass = std::clamp(by_size, species.lightest, species.heaviest);
+  if (options.mass == by_size) return {};
+  Result<body::Body> again = body::make_body(motion, options);
+  if (!again) return {};
+  body = std::move(*again);
+  const auto kg = [](double mass) { return to_fixed(mass, mass < 10 ? 2 : 0) + " kg"; };
+  return "By its size the animal would weigh " + kg(by_size) + ". It gets " + kg(body.mass) + ", the closest mass of a usual " +
+         species.names + (species.source.empty() ? "" : " (" + species.source + ")") + ". Set the mass, the unit or the species if it is wrong.";
 }
 
 }  // namespace ugoki::intake

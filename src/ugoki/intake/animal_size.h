@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "ugoki/body/body.h"
 #include "ugoki/body/recognise.h"
 #include "ugoki/intake/species.h"
 #include "ugoki/motion/skeleton.h"
@@ -42,5 +43,10 @@ struct AnimalSize {
 /// @return the unit with the minimum cost; nothing if the character is not a four-legged animal
 [[nodiscard]] std::optional<AnimalSize> size_of_animal(const body::Character& character, std::span<const MeasuredMotion> motions,
                                                        double metres_per_unit, bool trusted, const std::optional<SpeciesMass>& species);
+
+/// Gives an animal of unusual size the closest usual mass of its species.
+/// @param body its mass and inertias change  @param motion of which the body was made  @param options with which it was made
+/// @return a sentence about it; empty if its mass is usual
+[[nodiscard]] std::string limit_mass(body::Body& body, const SpeciesMass& species, const MeasuredMotion& motion, body::BodyOptions options);
 
 }  // namespace ugoki::intake

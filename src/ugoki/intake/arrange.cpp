@@ -12,7 +12,9 @@
 #include "ugoki/intake/correction.h"
 #include "ugoki/intake/deform_bones.h"
 #include "ugoki/intake/four_legs.h"
+#include "ugoki/intake/join_branches.h"
 #include "ugoki/intake/limb_ends.h"
+#include "ugoki/intake/paw_ends.h"
 #include "ugoki/intake/tree_edit.h"
 
 namespace ugoki::intake {
@@ -165,8 +167,8 @@ std::vector<std::string> attach_to_rigid_joints(std::span<MeasuredMotion> motion
   const std::size_t n = motions[0].skeleton.joints.size();
   const std::vector<std::vector<Pose>> samples = sample_poses(motions);
   if (samples.size() < 10) return names;
-  const double extent = extent_of(samples[0]);
   const Skeleton& s = motions[0].skeleton;
+  const double extent = extent_of_trees(s, samples[0]);
   const std::vector<int> below = descendants(s);
   const std::size_t main_root = at(static_cast<int>(std::ranges::max_element(below) - below.begin()));
   const auto stays = [&](const std::vector<double>& d) {
@@ -332,37 +334,6 @@ std::vector<std::string> merge_rigid_joints(std::span<MeasuredMotion> motions) {
 
 namespace {
 
-/// Gives the ends of an animal's limbs, where they have no end sites, those of the joints of the same name in `with_ends`, if left and
-/// right are alike within 15 %. Meshes of heads reach to the ends of antlers and ears, which are no ends of bones. @return true if any
-/// joint got ends
-bool restore_ends(std::span<MeasuredMotion> motions, const Skeleton& with_ends, const body::Character& character) {
-  const auto ends_of = [&](int joint) {
-    const SkeletonJoint* found = nullptr;
-    for (const SkeletonJoint& j : with_ends.joints) {
-      if (joint < 0 || j.name != motions[0].skeleton.joints[at(joint)].name) continue;
-      if (found) return std::vector<Vec3>{};  // another joint has the same name
-      found = &j;
-    }
-    return found && motions[0].skeleton.joints[at(joint)].end_sites.empty() ? found->end_sites : std::vector<Vec3>{};
-  };
-  bool any = false;
-  for (const auto* limbs : {&character.legs, &character.arms}) {
-    std::array<int, 2> joint{};
-    std::array<std::vector<Vec3>, 2> ends;
-    for (std::size_t k = 0; k < 2; ++k) {
-      joint[k] = (*limbs)[k].tip >= 0 ? (*limbs)[k].tip : (*limbs)[k].end;
-      ends[k] = ends_of(joint[k]);
-    }
-    if (ends[0].size() != 1 || ends[1].size() != 1) continue;
-    const double left = norm(ends[0][0]), right = norm(ends[1][0]);
-    if (std::fabs(left - right) > 0.15 * std::max(left, right)) continue;
-    any = true;
-    for (MeasuredMotion& m : motions)
-      for (std::size_t k = 0; k < 2; ++k) m.skeleton.joints[at(joint[k])].end_sites = ends[k];
-  }
-  return any;
-}
-
 /// True if the sections of all limbs begin at the same joints.
 bool same_sections(const body::Character& a, const body::Character& b) {
   const auto same = [](const body::Limb& x, const body::Limb& y) {
@@ -473,6 +444,18 @@ body::Character arrange_joints(std::span<MeasuredMotion> motions, std::vector<st
     }
   }
   if (character.plan == body::BodyPlan::other) {
+    std::vector<MeasuredMotion> joined = with_ends.empty() ? std::vector<MeasuredMotion>(motions.begin(), motions.end()) : with_ends;
+    if (const std::vector<std::string> joints = join_rigid_branches(joined); !joints.empty()) {
+      std::vector<std::string> changes = {"Joints that move together with another branch were attached to it: " + list_of(joints) + "."};
+      body::Character better = arrange_joints(joined, changes, mapping, mesh_ends);
+      if (better.plan != body::BodyPlan::other) {
+        std::ranges::move(joined, motions.begin());
+        report = std::move(changes);
+        return better;
+      }
+    }
+  }
+  if (character.plan == body::BodyPlan::other) {
     for (const std::string& joint : remove_carrier_roots(motions))
       report.push_back("Joint " + joint + " only carries " + motions[0].skeleton.joints[0].name + ", which moves relative to it; " + joint +
                        " is left out, and its movement was added to that joint.");
@@ -546,7 +529,7 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
   if (!mesh_ends || character.plan != body::BodyPlan::four_legs) return character;
   std::vector<MeasuredMotion> ended(motions.begin(), motions.end());
   if (std::ranges::any_of(report, [](const std::string& r) { return r.starts_with("The skeleton was re-rooted"); })) return character;
-  if (!restore_ends(ended, with_ends, character)) return character;
+  if (!restore_paws(ended, with_ends, character)) return character;
   const auto longest = std::ranges::max_element(ended, {}, &MeasuredMotion::frames);
   body::Character again = body::recognise_character(*longest, mapping);
   if (again.plan != body::BodyPlan::four_legs || !same_sections(again, character)) return character;

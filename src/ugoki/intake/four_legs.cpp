@@ -33,7 +33,7 @@ class FourLegs {
 
   std::vector<std::string> run() {
     if (samples_.empty() || s_.joints.size() < 5) return {};
-    for (const auto& X : samples_) extent_ = std::max(extent_, extent_of(X));
+    for (const auto& X : samples_) extent_ = std::max(extent_, extent_of_trees(s_, X));
     find_feet();
     find_limbs(0.12);
     if (tops_.size() < 4) find_limbs(0.05);  // a fat animal
@@ -333,6 +333,12 @@ class FourLegs {
     return false;
   }
 
+  /// True if a branch carries fore limbs and no hind limbs.
+  [[nodiscard]] bool carries_only_fore_limbs(int i) const {
+    const auto carried = [&](int limb) { return limb != i && is_below(s_, limb, i); };
+    return std::ranges::any_of(fore_, carried) && std::ranges::none_of(hind_, carried);
+  }
+
   /// Adds a joint between the fore limbs, which carries them and the branches in front of them.
   void add_chest(std::vector<int>& new_parent, std::vector<std::string>& report) {
     const int place = motions_[0].joint_count();
@@ -342,7 +348,7 @@ class FourLegs {
     for (const int c : children_[at(hips_)]) {
       const bool limb = c == fore_[0] || c == fore_[1];
       const bool in_front = c != hind_[0] && c != hind_[1] && !evidence_[at(c)].tail &&
-                            (carries_head(c) || dot(mean_in(hips_, c) - (front + back) * 0.5, along) > 0.25 * dot(along, along));
+                            (carries_head(c) || carries_only_fore_limbs(c) || dot(mean_in(hips_, c) - (front + back) * 0.5, along) > 0.25 * dot(along, along));
       if (!limb && !in_front) continue;
       new_parent[at(c)] = place;
       names.push_back(s_.joints[at(c)].name);

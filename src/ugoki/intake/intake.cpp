@@ -287,19 +287,23 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   body_options.height = options.height;
   body_options.mass = options.mass;
   body_options.mapping = mapping;
+  std::optional<body::AnatomyMapping> found;
   const MeasuredMotion all = motions.size() == 1 ? motions[0] : joined(motions);
   Result<body::Body> body = body::make_body(all, body_options);
   // Jumps, rolls and falls in other motions of the file can hide limbs that are clear in the longest motion, or raise an animal's trunk.
   if (body && !mapping && character.plan != body::BodyPlan::other &&
       body->anatomy.plan != (character.plan == body::BodyPlan::human ? "human" : "four legs")) {
-    const body::AnatomyMapping found = body::mapping_of(character, motions[0].skeleton);
+    found = body::mapping_of(character, motions[0].skeleton);
     body::BodyOptions as_found = body_options;
-    as_found.mapping = &found;
-    if (Result<body::Body> again = body::make_body(all, as_found); again && again->anatomy.plan == found.plan) {
+    as_found.mapping = &*found;
+    if (Result<body::Body> again = body::make_body(all, as_found); again && again->anatomy.plan == found->plan) {
       body = std::move(again);
+      body_options.mapping = &*found;
       out.report.push_back("The parts of the character are those of its longest motion; in all motions together they were not recognised.");
     }
   }
+  if (body && *species && body->anatomy.plan == "four legs" && options.mass == 0)
+    if (std::string sentence = limit_mass(*body, **species, all, body_options); !sentence.empty()) out.report.push_back(std::move(sentence));
   if (!body) return fail(in_file(std::move(body.error()), file_name));
   Result<MechanismPtr> mechanism = renamed(*body->mechanism, name);
   if (!mechanism) return fail(in_file(std::move(mechanism.error()), file_name));

@@ -88,6 +88,15 @@ double extent_of(const std::vector<Pose>& X) {
   return norm(high - low);
 }
 
+double extent_of_trees(const Skeleton& s, const std::vector<Pose>& X) {
+  std::vector<Pose> joined;
+  for (std::size_t i = 0; i < s.joints.size(); ++i) {
+    const bool carries = std::ranges::any_of(s.joints, [&](const SkeletonJoint& j) { return j.parent == static_cast<int>(i); });
+    if (s.joints[i].parent >= 0 || carries) joined.push_back(X[i]);
+  }
+  return extent_of(joined.empty() ? X : joined);
+}
+
 std::vector<double> deviations(const std::vector<std::vector<Pose>>& samples, std::size_t i, std::size_t a) {
   std::vector<Vec3> local;
   for (const auto& X : samples) local.push_back(X[a].inverse() * X[i].p);

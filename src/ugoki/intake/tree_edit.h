@@ -23,6 +23,10 @@ void set_world(MeasuredMotion& m, const std::vector<std::vector<Pose>>& world);
 /// Diagonal [m] of the box around all joints.
 [[nodiscard]] double extent_of(const std::vector<Pose>& X);
 
+/// Diagonal [m] of the box around the joints of all trees with more than one joint. Cameras and lights beside a character, which are single
+/// joints, can be far away. If there are only single joints, the box is around all of them.
+[[nodiscard]] double extent_of_trees(const Skeleton& s, const std::vector<Pose>& X);
+
 /// Distances [m] of joint i from its usual place relative to joint a, sorted. The usual place is the median of each coordinate.
 [[nodiscard]] std::vector<double> deviations(const std::vector<std::vector<Pose>>& samples, std::size_t i, std::size_t a);
 
