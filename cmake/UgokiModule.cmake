@@ -16,8 +16,9 @@ if(UGOKI_SANITIZE)
   target_link_options(ugoki_settings INTERFACE -fsanitize=${UGOKI_SANITIZE})
 endif()
 
-# Parsing the headers of the standard library, JSON and GoogleTest takes a quarter of the build time of a source that includes them. With this option
-# they are parsed once: for the modules that use JSON, and for the tests. Builds without the option check that sources include all they use.
+# Parsing the headers of the standard library takes more than a second of processor time, most of the time of a small source. With this option they
+# are parsed once for all modules, together with JSON once for the modules that use it, and with GoogleTest once for the tests. Sources with compile
+# options of their own have the property SKIP_PRECOMPILE_HEADERS. Builds without the option check that sources include all they use.
 option(UGOKI_PRECOMPILED_HEADERS "Precompile the headers of the standard library, JSON and GoogleTest" OFF)
 set(ugoki_standard_headers <algorithm> <array> <cmath> <cstdint> <cstring> <filesystem> <fstream> <functional> <map> <memory> <optional> <span>
   <string> <string_view> <utility> <vector>)
@@ -46,8 +47,17 @@ function(ugoki_module name)
   if(ARG_SOURCES)
     add_library(ugoki_${name} STATIC ${ARG_SOURCES})
     target_link_libraries(ugoki_${name} PUBLIC ugoki_settings PRIVATE ${ARG_PRIVATE_LIBS})
+    set(options "")
+    set(small "")
+    if(name IN_LIST UGOKI_SMALL_MODULES)
+      set(options OPTIONS -Oz)
+      set(small small_)
+      target_compile_options(ugoki_${name} PRIVATE -Oz)
+    endif()
     if(nlohmann_json::nlohmann_json IN_LIST ARG_PRIVATE_LIBS)
-      use_precompiled(ugoki_${name} json LIBS nlohmann_json::nlohmann_json HEADERS <nlohmann/json.hpp>)
+      use_precompiled(ugoki_${name} ${small}json LIBS nlohmann_json::nlohmann_json HEADERS <nlohmann/json.hpp> ${options})
+    else()
+      use_precompiled(ugoki_${name} ${small}standard ${options})
     endif()
     set(visibility PUBLIC)
   else()
