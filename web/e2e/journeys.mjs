@@ -21,6 +21,7 @@ import { pull_journeys } from './pulls.mjs';
 import { request_journeys } from './requests.mjs';
 import { rule_journeys } from './rules.mjs';
 import { session_journeys } from './sessions.mjs';
+import { skin_journeys } from './skins.mjs';
 import { sweep_journeys } from './sweeps.mjs';
 import { gait_journeys } from './gaits.mjs';
 import { jump_journeys } from './jumps.mjs';
@@ -464,6 +465,7 @@ export const journeys = [
     },
   },
   ...request_journeys,
+  ...skin_journeys,
   ...accessibility_journeys,
   ...repair_journeys,
   ...editor_journeys,

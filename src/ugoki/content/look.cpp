@@ -81,6 +81,7 @@ Json to_json(const ScenarioLook& look) {
 void read_material(Fields& f, ScenarioMaterial& out) {
   f.number("roughness", out.roughness);
   f.number("metalness", out.metalness);
+  f.text("shown", out.shown);
   if (const Json* list = f.list("shape_colors", max_shape_colors, "shape_colors")) {
     out.shape_colors.clear();
     for (const Json& color : *list) out.shape_colors.push_back(color.is_string() ? color.get<std::string>() : "none");
@@ -101,6 +102,7 @@ void write_material(const ScenarioMaterial& material, Json& json) {
   const ScenarioMaterial normal;
   if (material.roughness != normal.roughness) json["roughness"] = material.roughness;
   if (material.metalness != normal.metalness) json["metalness"] = material.metalness;
+  if (material.shown != normal.shown) json["shown"] = material.shown;
   for (const auto& [link, color] : material.link_colors) json["link_colors"][link] = color;
   if (!material.shape_colors.empty()) json["shape_colors"] = material.shape_colors;
 }
@@ -124,6 +126,9 @@ void check_look(const ScenarioLook& look, const std::string& location, Error& pr
 void check_material(const ScenarioMaterial& m, const MechanismFacts* mechanism, const std::string& location, Error& problems) {
   check_range(location + "/roughness", m.roughness, 0, 1, problems);
   check_range(location + "/metalness", m.metalness, 0, 1, problems);
+  if (m.shown != "skin" && m.shown != "body" && m.shown != "both")
+    problems.add(ErrorCode::unknown, location + "/shown", "There is nothing to show with the name '" + m.shown + "'.",
+                 "Use \"skin\", \"body\" or \"both\".");
   for (std::size_t i = 0; i < m.shape_colors.size(); ++i)
     if (!m.shape_colors[i].empty()) check_color(location + "/shape_colors/" + std::to_string(i), m.shape_colors[i], problems);
   for (const auto& [link, color] : m.link_colors) {

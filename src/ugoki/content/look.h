@@ -33,6 +33,7 @@ struct ScenarioMaterial {
   std::map<std::string, std::string, std::less<>> link_colors;  ///< colour "#rrggbb" of a link by its name; others have the character's
   /// Colours "#rrggbb" of the visible shapes, link by link; shapes without one, or with an empty one, have the colour of their link.
   std::vector<std::string> shape_colors = {};
+  std::string shown = "skin";  ///< of a mechanism with a skin: "skin", "body" (its shapes) or "both" (the skin is transparent)
   friend bool operator==(const ScenarioMaterial&, const ScenarioMaterial&) = default;
 };
 

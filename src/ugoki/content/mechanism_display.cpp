@@ -34,6 +34,29 @@ Json surface_json(const HeightField& f) {
           {"half_y", f.half_y},   {"base", f.base}, {"heights", packed(heights)}};
 }
 
+/// Returns the skin as JSON: its lists in Base64 (positions, normals, uvs: 32-bit floats; bones, weights: 16 bits; indices: 32 bits).
+Json skin_json(const Mechanism& m) {
+  const Skin& skin = *m.skin();
+  Json parts = Json::array(), textures = Json::array(), links = Json::array(), matrices = Json::array();
+  for (const SkinPart& p : skin.parts)
+    parts.push_back({{"color", p.color},
+                     {"texture", p.texture},
+                     {"first", p.first},
+                     {"count", p.count},
+                     {"cutoff", p.cutoff},
+                     {"both_sides", p.both_sides}});
+  for (const SkinTexture& t : skin.textures) textures.push_back({{"type", t.type}, {"data", packed(t.data)}});
+  for (const SkinBone& b : m.skin_bones()) {
+    links.push_back(m.find_link(b.link));
+    for (int row = 0; row < 3; ++row)
+      for (const double x : {b.A.row(row).x, b.A.row(row).y, b.A.row(row).z, b.p[row]}) matrices.push_back(x);
+  }
+  return {{"positions", packed(skin.positions)}, {"normals", packed(skin.normals)}, {"uvs", packed(skin.uvs)},
+          {"bones", packed(skin.bones)},         {"weights", packed(skin.weights)}, {"indices", packed(skin.indices)},
+          {"parts", std::move(parts)},           {"textures", std::move(textures)}, {"links", std::move(links)},
+          {"matrices", std::move(matrices)}};
+}
+
 std::vector<Pose> poses_at(const Mechanism& mechanism, std::span<const double> q) {
   std::vector<Pose> X(static_cast<std::size_t>(mechanism.link_count()));
   calc_poses(mechanism, q, X);
@@ -64,7 +87,7 @@ double shown_height(const Mechanism& mechanism) {
 
 namespace {
 
-Json mechanism_display(std::string_view id, const Mechanism& mechanism, std::span<const double> q) {
+Json mechanism_display(std::string_view id, const Mechanism& mechanism, std::span<const double> q, bool skin = true) {
   const std::vector<Pose> X = q.empty() ? neutral_poses(mechanism) : poses_at(mechanism, q);
   Json links = Json::array(), surfaces = Json::object();
   for (int i = 0; i < mechanism.link_count(); ++i) {
@@ -96,13 +119,15 @@ Json mechanism_display(std::string_view id, const Mechanism& mechanism, std::spa
                      {"shapes", std::move(shapes)},
                      {"neutral", pose_json(X[static_cast<std::size_t>(i)])}});
   }
-  return {{"id", id},
-          {"name", mechanism.name()},
-          {"dofs", mechanism.nv()},
-          {"mass", mechanism.mass()},
-          {"height", shown_height(mechanism)},
-          {"surfaces", std::move(surfaces)},
-          {"links", std::move(links)}};
+  Json out = {{"id", id},
+              {"name", mechanism.name()},
+              {"dofs", mechanism.nv()},
+              {"mass", mechanism.mass()},
+              {"height", shown_height(mechanism)},
+              {"surfaces", std::move(surfaces)},
+              {"links", std::move(links)}};
+  if (skin && mechanism.skin()) out["skin"] = skin_json(mechanism);
+  return out;
 }
 
 }  // namespace
@@ -111,7 +136,7 @@ std::string mechanism_json(std::string_view id, const Mechanism& mechanism, std:
   return json::to_text(mechanism_display(id, mechanism, q));
 }
 
-std::string scene_json(const Executable& content) {
+std::string scene_json(const Executable& content, bool skins) {
   Json characters = Json::array(), mechanisms = Json::array();
   for (const ExecutableCharacter& c : content.characters) {
     characters.push_back({{"id", c.id},
@@ -122,7 +147,7 @@ std::string scene_json(const Executable& content) {
     write_material(c.material, characters.back());
   }
   for (std::size_t i = 0; i < content.mechanisms.size(); ++i)
-    mechanisms.push_back(mechanism_display(content.mechanism_ids[i], *content.mechanisms[i], {}));
+    mechanisms.push_back(mechanism_display(content.mechanism_ids[i], *content.mechanisms[i], {}, skins));
   Json scene = Json{{"name", content.name},
                     {"duration", content.duration},
                     {"frame_rate", content.frame_rate},

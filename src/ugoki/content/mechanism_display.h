@@ -24,6 +24,7 @@ namespace ugoki::content {
 /// Returns all data as JSON that a page needs to show executable data before the first frame:
 /// {"name", "duration", "frame_rate", "step", "ground", "camera", "look", "characters": [{"id", "name", "color", "mechanism", "tracks"}],
 /// "mechanisms": [mechanism_json() ...]}; `mechanism` of a character is an index into `mechanisms`.
-[[nodiscard]] std::string scene_json(const Executable& content);
+/// @param skins false: without the skins of the mechanisms, which can be large
+[[nodiscard]] std::string scene_json(const Executable& content, bool skins = true);
 
 }  // namespace ugoki::content

@@ -20,6 +20,13 @@ int GlbChunk::add(const void* data, std::size_t size, std::size_t count, const c
   return static_cast<int>(accessors_.size()) - 1;
 }
 
+int GlbChunk::picture(std::span<const std::byte> data) {
+  bytes_.resize((bytes_.size() + 3) / 4 * 4);
+  views_.push_back({{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", data.size()}});
+  bytes_.insert(bytes_.end(), data.begin(), data.end());
+  return static_cast<int>(views_.size()) - 1;
+}
+
 void GlbChunk::bound(int accessor, const std::vector<float>& values, std::size_t components) {
   Json low = Json::array(), high = Json::array();
   for (std::size_t c = 0; c < components; ++c) {

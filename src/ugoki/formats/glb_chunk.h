@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "ugoki/json/json.h"
@@ -25,6 +26,8 @@ class GlbChunk {
   int floats(const std::vector<float>& values, std::size_t components, const char* type, int target = 0) {
     return add(values, components, type, 5126, target);
   }
+  /// Appends the bytes of a picture. @return index of the buffer view
+  int picture(std::span<const std::byte> data);
   /// Sets the minimum and maximum of each component, which glTF requires for positions and key times.
   void bound(int accessor, const std::vector<float>& values, std::size_t components);
 

@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "ugoki/base/number.h"
 #include "ugoki/formats/file_axes.h"
 #include "ugoki/formats/gltf_document.h"
+#include "ugoki/formats/gltf_meshes.h"
+#include "ugoki/formats/gltf_skin.h"
 #include "ugoki/formats/gltf_unpack.h"
 #include "ugoki/formats/text.h"
 #include "ugoki/spatial/elementary.h"
@@ -101,7 +104,99 @@ class Reader {
     return out;
   }
 
+  /// The skin of the joints that read() gives. @param notes receives remarks about it
+  Result<FileSkin> skin(GltfMeshes meshes, ReadNotes& notes) {
+    order_nodes();
+    choose_joints();
+    calc_globals(nullptr, 0);
+    rest_ = globals_;
+    apply_bind_poses();
+    std::vector<MeasuredMotion> first(1, start(""));
+    first[0].frames = 1;
+    const auto moving = std::ranges::find_if(doc_.animations, [&](const GltfAnimation& a) {
+      return std::ranges::any_of(a.channels, [&](const GltfChannel& c) { return moves_joint(c.node); });
+    });
+    double begin = 0, end = 0;
+    if (moving != doc_.animations.end()) (void)key_range(*moving, begin, end);
+    fill(moving != doc_.animations.end() ? *moving : GltfAnimation{}, begin, first[0]);
+    finish_units(first);
+    first[0].calc_joint_poses(0, joint_poses_);
+    names_.clear();
+    for (const SkeletonJoint& j : first[0].skeleton.joints) names_.push_back(j.name);
+    FileSkin out;
+    out.skin.textures = std::move(meshes.textures);
+    std::size_t scenery = 0;
+    for (const GltfSurface& surface : meshes.surfaces)
+      if (!add_surface(surface, first[0].skeleton.unit, out)) ++scenery;
+    if (scenery > 0) notes.remarks.push_back("Meshes that follow no joint of the character are left out.");
+    if (out.bones.size() > max_skin_bones || out.skin.parts.size() > max_skin_parts)
+      return fail(
+          ErrorCode::range, std::string(name_) + ":skins",
+          "The character has more than " + std::to_string(max_skin_bones) + " bones or " + std::to_string(max_skin_parts) + " parts.",
+          "Join its meshes in a modelling program.");
+    remove_unused(out);
+    return out;
+  }
+
  private:
+  /// Adds a surface, with its own bones. @param metres m per file unit @return false: it follows no joint
+  bool add_surface(const GltfSurface& from, double metres, FileSkin& out) {
+    const std::size_t base = out.skin.vertex_count(), first_index = out.skin.indices.size();
+    const int s = doc_.nodes[from.node].skin;
+    const bool skinned = s >= 0 && from.sets > 0;
+    const auto [known, is_new] = first_bones_.try_emplace(skinned ? -1 - s : static_cast<int>(from.node), out.bones.size());
+    const std::size_t first_bone = known->second;
+    if (skinned && is_new) {
+      const GltfSkin& skin = doc_.skins[static_cast<std::size_t>(s)];
+      for (std::size_t j = 0; j < skin.joints.size(); ++j) {
+        const auto node = static_cast<std::size_t>(skin.joints[j]);
+        const Affine bind = skin.inverse_binds.empty() ? Affine{} : skin.inverse_binds[j];
+        out.bones.push_back(bone_of(static_cast<std::size_t>(joint_of_node_[node]), globals_[node] * bind, metres));
+      }
+    } else if (!skinned) {
+      int node = static_cast<int>(from.node);
+      while (node >= 0 && joint_of_node_[static_cast<std::size_t>(node)] < 0) node = doc_.nodes[static_cast<std::size_t>(node)].parent;
+      if (node < 0) return false;
+      if (is_new)
+        out.bones.push_back(bone_of(static_cast<std::size_t>(joint_of_node_[static_cast<std::size_t>(node)]), globals_[from.node], metres));
+    }
+    Skin& skin = out.skin;
+    skin.positions.insert(skin.positions.end(), from.positions.begin(), from.positions.end());
+    skin.uvs.insert(skin.uvs.end(), from.uvs.begin(), from.uvs.end());
+    std::vector<std::pair<std::uint16_t, double>> shares;
+    for (std::size_t v = 0; v < from.positions.size() / 3; ++v) {
+      shares.clear();
+      for (std::size_t k = 0; skinned && k < from.sets; ++k) {
+        const std::size_t joint = from.joints[from.sets * v + k], bone = first_bone + joint;
+        if (joint < doc_.skins[static_cast<std::size_t>(s)].joints.size())
+          shares.emplace_back(static_cast<std::uint16_t>(bone), from.weights[from.sets * v + k]);
+      }
+      if (shares.empty()) shares.emplace_back(static_cast<std::uint16_t>(first_bone), 1);
+      add_weights(skin, shares);
+    }
+    for (const std::uint32_t c : from.corners) skin.indices.push_back(static_cast<std::uint32_t>(base) + c);
+    if (from.normals.empty())
+      add_normals(skin, base, first_index);
+    else
+      skin.normals.insert(skin.normals.end(), from.normals.begin(), from.normals.end());
+    skin.parts.push_back(from.part);
+    skin.parts.back().first = static_cast<std::uint32_t>(first_index);
+    skin.parts.back().count = static_cast<std::uint32_t>(from.corners.size());
+    return true;
+  }
+
+  /// Bone that places vertices in `joint` as `X` places them in the file's world, in the pose of joint_poses_.
+  [[nodiscard]] FileBone bone_of(std::size_t joint, const Affine& X, double metres) const {
+    const FileAxes axes;
+    const Pose inverse = joint_poses_[joint].inverse();
+    FileBone bone;
+    bone.joint = names_[joint];
+    const auto ours = [&](const Vec3& v) { return inverse.R * (axes.from_file(v) * metres); };
+    bone.A = Mat3::columns(ours(X.A.column(0)), ours(X.A.column(1)), ours(X.A.column(2)));
+    bone.p = ours(X.p) + inverse.p;
+    return bone;
+  }
+
   /// Fills order_: parents before their children, otherwise in file order.
   void order_nodes() {
     std::vector<char> done(doc_.nodes.size());
@@ -387,11 +482,14 @@ class Reader {
   std::string_view name_;
   const GltfOptions& options_;
   ReadNotes& notes_;
-  std::vector<std::size_t> order_;      // indices of all nodes, parents first
-  std::vector<std::size_t> joints_;     // indices of the nodes that become joints, parents first
-  std::vector<int> joint_of_node_;      // [nodes] index in joints_, or -1
-  std::vector<GltfNode> posed_;         // nodes with the animation applied
-  std::vector<Affine> globals_, rest_;  // [nodes] world transforms (current pose, rest pose), file axes and units
+  std::vector<std::size_t> order_;          // indices of all nodes, parents first
+  std::vector<std::size_t> joints_;         // indices of the nodes that become joints, parents first
+  std::vector<int> joint_of_node_;          // [nodes] index in joints_, or -1
+  std::vector<Pose> joint_poses_;           // [joints] of the frame for which the skin's bones are computed
+  std::map<int, std::size_t> first_bones_;  // of a skin (-1 - index), of a node with a mesh that is fixed to a joint (index)
+  std::vector<std::string> names_;          // [joints] of the measured motion
+  std::vector<GltfNode> posed_;             // nodes with the animation applied
+  std::vector<Affine> globals_, rest_;      // [nodes] world transforms (current pose, rest pose), file axes and units
 };
 
 }  // namespace
@@ -408,6 +506,16 @@ Result<std::vector<MeasuredMotion>> read_gltf(std::span<const std::byte> bytes, 
 Result<std::vector<MeasuredMotion>> read_gltf(std::span<const std::byte> bytes, std::string_view file_name, const GltfOptions& options,
                                               ReadNotes* notes) {
   return read_gltf(bytes, file_name, options, {}, notes);
+}
+
+Result<FileSkin> read_gltf_skin(std::span<const std::byte> bytes, std::string_view file_name, const GltfOptions& options,
+                                const GltfUnpack& unpack, ReadNotes& notes) {
+  ReadNotes ignored;  // of read_gltf()
+  auto document = read_gltf_document(bytes, file_name, options.files, unpack, ignored);
+  if (!document) return fail(std::move(document.error()));
+  auto meshes = read_gltf_meshes(bytes, file_name, options.files, unpack, notes);
+  if (!meshes) return fail(std::move(meshes.error()));
+  return Reader(std::move(*document), file_name, options, ignored).skin(std::move(*meshes), notes);
 }
 
 }  // namespace ugoki::formats

@@ -3,6 +3,7 @@
 
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/mechanism_json_geometry.h"
+#include "ugoki/formats/mechanism_json_skin.h"
 #include "ugoki/formats/text.h"
 #include "ugoki/json/fields.h"
 
@@ -232,6 +233,7 @@ MechanismSpec read_document(Fields& f) {
     g.text("a", a);
     g.text("b", b);
   });
+  read_skin(f, spec);
   f.refuse_others();
   return spec;
 }

@@ -4,6 +4,7 @@
 #include "ugoki/base/number.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/mechanism_json_geometry.h"
+#include "ugoki/formats/mechanism_json_skin.h"
 
 namespace ugoki::formats {
 namespace {
@@ -208,7 +209,7 @@ std::string write_mechanism(const Mechanism& mechanism) {
     }
     out += "\n  ]";
   }
-  return out + surfaces_text(spec) + "\n}\n";
+  return out + surfaces_text(spec) + (spec.skin ? skin_text(*spec.skin, spec.skin_bones) : "") + "\n}\n";
 }
 
 }  // namespace ugoki::formats

@@ -19,6 +19,7 @@
 #include "ugoki/intake/choice.h"
 #include "ugoki/intake/mesh_intake.h"
 #include "ugoki/intake/scale.h"
+#include "ugoki/intake/skin_binding.h"
 #include "ugoki/intake/support.h"
 #include "ugoki/robot_formats/robot_file.h"
 #include "ugoki/scene_formats/deepmimic.h"
@@ -49,10 +50,11 @@ std::string stem_of(std::string_view path) {
   return std::string(dot == std::string_view::npos || dot == 0 ? base : base.substr(0, dot));
 }
 
-/// The mechanism with another name.
-Result<MechanismPtr> renamed(const Mechanism& mechanism, const std::string& name) {
-  MechanismSpec spec = mechanism.spec();
+/// The body's mechanism with another name and the skin of the file.
+Result<MechanismPtr> finished(const body::Body& body, const std::string& name, SkinBinding& skin) {
+  MechanismSpec spec = body.mechanism->spec();
   spec.name = name;
+  skin.attach(body, spec);
   return Mechanism::make(std::move(spec));
 }
 
@@ -210,8 +212,9 @@ std::string lower_to_floor(MeasuredMotion& measured, const body::Body& body) {
 
 /// Imports skeleton motions. @param motions at least one, all on the same skeleton  @param mesh_ends see arrange()
 Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadNotes notes, std::string_view file_name,
-                             const IntakeOptions& options, bool mesh_ends = false) {
+                             const IntakeOptions& options, bool mesh_ends = false, formats::FileSkin file_skin = {}) {
   Intake out;
+  SkinBinding skin(std::move(file_skin), motions);
   out.source = std::string(base_name(file_name));
   if (Result<void> chosen = choose(motions, options, std::string(file_name), out, notes.remarks); !chosen)
     return fail(std::move(chosen.error()));
@@ -229,12 +232,14 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   const std::string name = single ? motions[take.value_or(0)].name : options.name.empty() ? stem_of(file_name) : options.name;
   out.metres_per_unit = notes.metres_per_unit > 0 ? notes.metres_per_unit : motions[0].skeleton.unit;
   apply_corrections(motions, notes, options, out);
+  skin.turn(turn_from(notes.z_up, out.axes));
   const body::AnatomyMapping* mapping = options.mapping ? &*options.mapping : nullptr;
   if (mapping)
     if (Error wrong = body::check_mapping(*mapping, motions[0].skeleton, "mapping"); !wrong.empty()) return fail(std::move(wrong));
   const Result<std::optional<SpeciesMass>> species = species_of(motions, options, std::string(file_name));
   if (!species) return fail(species.error());
   body::Character character = arrange(motions, notes.remarks, mapping, mesh_ends);
+  skin.reduce(motions);
   // An animal that is upright in its longest motion (a jump, a dance) is one by its name and the other motions.
   if (*species && !mapping && character.plan == body::BodyPlan::human && motions.size() > 1)
     if (body::Character animal = body::recognise_character(joined(motions)); animal.plan == body::BodyPlan::four_legs)
@@ -251,6 +256,7 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
       if (std::fabs(in_file[k]) > 0.5) out.axes.up = {k, in_file[k] < 0};
     out.axes.forward = {(out.axes.up.axis + 1) % 3, false};
     for (MeasuredMotion& m : motions) turn(m, turn_from(notes.z_up, out.axes));
+    skin.turn(turn_from(notes.z_up, out.axes));
     character.up = rotation_to_ours(out.axes) * in_file;
     notes.remarks.push_back("Up is assumed to be the file's axis " + name_of(out.axes.up) +
                             ", along which trunk and legs of the character point; set the axes if it is wrong.");
@@ -259,7 +265,9 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   // The body is made for all motions together, in which the limbs can begin at other joints than in the longest one.
   const bool together = animal && !mapping && motions.size() > 1;
   const body::Character whole = together ? body::recognise_character(joined(motions)) : character;
+  const double unit_before = out.metres_per_unit;
   set_size(motions, whole.plan == body::BodyPlan::four_legs ? whole : character, *species, notes, options, out);
+  if (out.metres_per_unit != unit_before) skin.scale(out.metres_per_unit / unit_before);
   // Parts and size follow from all motions of the file, so that they do not depend on the chosen one.
   if (take) motions = {std::move(motions[*take])};
   std::vector<std::string> checks;
@@ -305,20 +313,21 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   if (body && *species && body->anatomy.plan == "four legs" && options.mass == 0)
     if (std::string sentence = limit_mass(*body, **species, all, body_options); !sentence.empty()) out.report.push_back(std::move(sentence));
   if (!body) return fail(in_file(std::move(body.error()), file_name));
-  Result<MechanismPtr> mechanism = renamed(*body->mechanism, name);
+  Result<MechanismPtr> mechanism = finished(*body, name, skin);
   if (!mechanism) return fail(in_file(std::move(mechanism.error()), file_name));
   body->mechanism = *mechanism;
   out.report.insert(out.report.end(), body->report.begin(), body->report.end());
   if (motions.size() > 1) out.report.push_back("The file contains " + std::to_string(motions.size()) + " motions of one skeleton.");
   out.conversion.add_remarks(notes.remarks);
   out.conversion.add_remarks(body->report);
+  if (body->mechanism->skin()) out.report.push_back(out.conversion.read.emplace_back(describe(*body->mechanism->skin())));
   describe(out.conversion, *body, motions[0]);
-
   store::LibraryItem mechanism_item{
       store::EntryKind::mechanism, name, {}, options.tags, bytes_of(formats::write_mechanism(*body->mechanism))};
   Json summary = mechanism_summary(*body->mechanism, out.source);
   summary["height"] = body->height;
   summary["human"] = body->human;
+  if (body->mechanism->skin()) summary["skin"] = {{"bytes", bytes_of(*body->mechanism->skin())}};
   mechanism_item.summary = text_of(summary);
   const std::string mechanism_id = store::entry_id(store::EntryKind::mechanism, mechanism_item.data);
   out.items = {std::move(mechanism_item)};
@@ -400,7 +409,11 @@ Result<MechanismPtr> turned(const Mechanism& mechanism, const Mat3& R) {
 Result<Intake> from_mechanism(Result<MechanismPtr> mechanism, std::string_view file_name, const IntakeOptions& options) {
   if (!mechanism) return fail(std::move(mechanism.error()));
   const std::string name = !options.name.empty() ? options.name : !(*mechanism)->name().empty() ? (*mechanism)->name() : stem_of(file_name);
-  if ((*mechanism)->name() != name) mechanism = renamed(**mechanism, name);
+  if ((*mechanism)->name() != name) {
+    MechanismSpec spec = (*mechanism)->spec();
+    spec.name = name;
+    mechanism = Mechanism::make(std::move(spec));
+  }
   Intake out;
   if (options.axes) out.axes = *options.axes;
   if (mechanism && out.axes != usual_orientation(true)) mechanism = turned(**mechanism, turn_from(true, out.axes));
@@ -529,7 +542,8 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
           formats::read_gltf(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit, .mesh_ends = true, .files = options.files},
                              scene_formats::unpack_meshopt, &notes);
       if (!motions) return fail(std::move(motions.error()));
-      return from_measured(std::move(*motions), std::move(notes), file_name, options, true);
+      formats::FileSkin skin = skin_of_gltf(std::as_bytes(raw), file_name, options, notes);
+      return from_measured(std::move(*motions), std::move(notes), file_name, options, true, std::move(skin));
     }
     case FileKind::mvnx:
     case FileKind::opensim:

@@ -210,6 +210,15 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
         errors.add(ErrorCode::unknown, location, "The mechanism has no link '" + name + "'.", "Name two of its links.");
     if (a == b) errors.add(ErrorCode::structure, location, "Both links are '" + a + "'.", "Name two different links.");
   }
+  if (spec.skin) check_skin(*spec.skin, spec.skin_bones.size(), mechanism_location + ", skin", errors);
+  for (const SkinBone& bone : spec.skin_bones) {
+    if (!index_of.contains(bone.link))
+      errors.add(ErrorCode::unknown, mechanism_location + ", skin", "The mechanism has no link '" + bone.link + "'.",
+                 "Attach the bone to one of its links.");
+    if (!is_finite(bone.p) || !is_finite(bone.A.column(0) + bone.A.column(1) + bone.A.column(2)))
+      errors.add(ErrorCode::range, mechanism_location + ", skin", "The place of a bone on '" + bone.link + "' is not finite.",
+                 "Correct its matrix.");
+  }
   if (!errors.empty()) return fail(std::move(errors));
 
   // Order the links: parents before children, otherwise in the order given.
@@ -303,6 +312,8 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
     const int first = link_named(a), second = link_named(b);
     m->exclusions_.push_back({std::min(first, second), std::max(first, second)});
   }
+  m->skin_ = std::move(spec.skin);
+  if (m->skin_) m->skin_bones_ = std::move(spec.skin_bones);
   std::ranges::sort(m->exclusions_);
   m->exclusions_.erase(std::ranges::unique(m->exclusions_).begin(), m->exclusions_.end());
 
@@ -393,6 +404,8 @@ MechanismSpec Mechanism::spec() const {
                          .closed = l.closed});
   }
   for (const auto& [a, b] : exclusions_) out.exclusions.push_back({link(a).name, link(b).name});
+  out.skin = skin_;
+  out.skin_bones = skin_bones_;
   return out;
 }
 

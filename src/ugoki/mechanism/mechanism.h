@@ -12,6 +12,7 @@
 #include "ugoki/mechanism/joint.h"
 #include "ugoki/mechanism/loop.h"
 #include "ugoki/mechanism/shape.h"
+#include "ugoki/mechanism/skin.h"
 
 namespace ugoki {
 
@@ -32,6 +33,8 @@ struct MechanismSpec {
   std::vector<LinkSpec> links;                              ///< any order
   std::vector<LoopSpec> loops = {};                         ///< without the loops of virtual links, which follow from LinkSpec::real
   std::vector<std::array<std::string, 2>> exclusions = {};  ///< names of two links whose shapes do not collide with each other
+  SkinPtr skin = {};                                        ///< drawn surface of the whole mechanism; null: none
+  std::vector<SkinBone> skin_bones = {};                    ///< bones of the skin; several can be attached to one link
 };
 
 /// A link in the run-time form. Index -1 means none. Source: Nagashima (1999), table 2.
@@ -56,7 +59,7 @@ class Mechanism {
   /// problems, each with the name of its link or loop: missing or duplicate name, unknown parent or real link, cycle of parents, axis that
   /// is not a unit vector, lower limit above upper limit, negative damping, impossible inertia (negative mass, triangle inequality),
   /// movable joint without armature whose link and descendants have no mass, loop between a link and itself, loop without length or DOF,
-  /// exclusion of an unknown link or of a link with itself,
+  /// exclusion of an unknown link or of a link with itself, damaged skin, bone of the skin on an unknown link,
   /// values that are not finite. O(links log links)
   [[nodiscard]] static Result<std::shared_ptr<const Mechanism>> make(MechanismSpec spec);
 
@@ -72,6 +75,9 @@ class Mechanism {
   [[nodiscard]] bool has_loops() const { return !loops_.empty(); }
   /// Pairs of links whose shapes do not collide with each other: indices, the smaller one first; sorted, each pair once.
   [[nodiscard]] std::span<const std::array<int, 2>> exclusions() const { return exclusions_; }
+  /// The drawn surface; null: none.
+  [[nodiscard]] const SkinPtr& skin() const { return skin_; }
+  [[nodiscard]] std::span<const SkinBone> skin_bones() const { return skin_bones_; }
   /// Index of the loop with this name, or -1. O(loops).
   [[nodiscard]] int find_loop(std::string_view name) const;
   /// Index of the link with this name, or -1. O(links).
@@ -94,6 +100,8 @@ class Mechanism {
   std::vector<Link> links_;
   std::vector<Loop> loops_;
   std::vector<std::array<int, 2>> exclusions_;
+  SkinPtr skin_;
+  std::vector<SkinBone> skin_bones_;
   std::vector<int> link_of_dof_;
   std::vector<int> dof_parents_;
   int nq_ = 0, nv_ = 0;

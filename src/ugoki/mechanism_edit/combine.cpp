@@ -36,6 +36,7 @@ void put_prefix(MechanismSpec& spec, const std::string& prefix) {
     put(a);
     put(b);
   }
+  for (SkinBone& bone : spec.skin_bones) put(bone.link);
 }
 
 /// Returns a prefix for b's names that makes them different from a's; empty if none is needed.
@@ -122,6 +123,12 @@ Result<Combined> combine(const Mechanism& a, const Mechanism& b, const CombineOp
   for (LinkSpec& l : second.links) first.links.push_back(std::move(l));
   for (LoopSpec& l : second.loops) first.loops.push_back(std::move(l));
   for (auto& e : second.exclusions) first.exclusions.push_back(std::move(e));
+  if (first.skin && second.skin) {
+    out.report.push_back("The skin of " + b.name() + " was dropped: a mechanism has one skin.");
+  } else if (second.skin) {
+    first.skin = second.skin;
+    first.skin_bones = std::move(second.skin_bones);
+  }
   Result<MechanismPtr> made = Mechanism::make(std::move(first));
   if (!made) return fail(std::move(made.error()));
   out.mechanism = std::move(*made);

@@ -84,6 +84,11 @@ Result<Edited> cut(const Mechanism& m, std::string_view link, const CutOptions& 
     return fail(ErrorCode::structure, location, "No link is left without " + std::string(link) + " and its descendants.",
                 "Cut at another link, or keep the part.");
   spec.links = std::move(links);
+  if (std::ranges::any_of(spec.skin_bones, [&](const SkinBone& b) { return !kept[static_cast<std::size_t>(m.find_link(b.link))]; })) {
+    out.report.push_back("The skin was dropped: parts of it are on links that are cut off.");
+    spec.skin = nullptr;
+    spec.skin_bones.clear();
+  }
   Result<MechanismPtr> made = Mechanism::make(std::move(spec));
   if (!made) return fail(std::move(made.error()));
   out.mechanism = std::move(*made);

@@ -65,6 +65,8 @@ class Editor {
       if (l.link_a == old) l.link_a = a_.value;
       if (l.link_b == old) l.link_b = a_.value;
     }
+    for (SkinBone& bone : spec_.skin_bones)
+      if (bone.link == old) bone.link = a_.value;
     for (auto& exclusion : spec_.exclusions) std::ranges::replace(exclusion, old, a_.value);
     link_.name = a_.value;
     return "";

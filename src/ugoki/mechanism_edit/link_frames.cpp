@@ -31,6 +31,11 @@ void move_link_frame(MechanismSpec& spec, int index, const Pose& X_LN) {
   link.inertia = link.inertia.in_parent(X_NL);
   for (Shape& s : link.shapes) s.X_BS = X_NL * s.X_BS;
   if (!link.real.empty()) link.X_RV = link.X_RV * X_LN;
+  for (SkinBone& bone : spec.skin_bones)
+    if (bone.link == link.name) {
+      bone.A = X_LN.R.transposed() * bone.A;
+      bone.p = X_LN.inverse() * bone.p;
+    }
   for (LinkSpec& other : spec.links) {
     if (other.parent == link.name) other.joint.X_PJ = X_NL * other.joint.X_PJ;
     if (other.real == link.name) other.X_RV = X_NL * other.X_RV;

@@ -171,6 +171,7 @@ void swap_names(MechanismSpec& spec) {
     spec.loops[i].name = new_loops[i];
   }
   for (auto& exclusion : spec.exclusions) std::ranges::for_each(exclusion, rename);
+  for (SkinBone& bone : spec.skin_bones) rename(bone.link);
 }
 
 }  // namespace
@@ -187,6 +188,10 @@ Result<Edited> mirror(const Mechanism& m, const MirrorOptions& options) {
     link.inertia = S.of(link.inertia);
     link.X_RV = S.of(link.X_RV);
     if (Result<void> shapes = mirror_shapes(link, S, done); !shapes) return fail(std::move(shapes.error()));
+  }
+  for (SkinBone& bone : spec.skin_bones) {
+    bone.A = Mat3::columns(S.of(bone.A.column(0)), S.of(bone.A.column(1)), S.of(bone.A.column(2)));
+    bone.p = S.of(bone.p);
   }
   if (options.swap_sides) swap_names(spec);
   Edited out;

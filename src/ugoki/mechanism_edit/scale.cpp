@@ -182,6 +182,11 @@ Result<Edited> scale_links(const Mechanism& m, std::span<const LinkScale> scales
     loop.X_BJ.p = end_map(b, a) * loop.X_BJ.p;
     loop.length *= scales[static_cast<std::size_t>(b >= 0 ? b : a)].along;
   }
+  for (SkinBone& bone : spec.skin_bones) {
+    const Mat3 A = map_of(m.find_link(bone.link));
+    bone.A = A * bone.A;
+    bone.p = A * bone.p;
+  }
   if (had_prepared) out.report.push_back("The collision data precomputed for the meshes was dropped; it is recomputed on import.");
   Result<MechanismPtr> made = Mechanism::make(std::move(spec));
   if (!made) return fail(std::move(made.error()));

@@ -46,7 +46,7 @@ std::string first_picture(std::span<const std::byte> ugx) {
   player->display_frame(frame);
   std::vector<std::byte> bytes;
   content::encode_frame(frame, 0, content::frame_simulate, bytes);
-  return R"({"scene":)" + content::scene_json(player->content()) + R"(,"devices":)" +
+  return R"({"scene":)" + content::scene_json(player->content(), false) + R"(,"devices":)" +
          circuit::write_device_use(player->devices().use()) + R"(,"frame":")" +
          to_base64({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}) + R"("})";
 }

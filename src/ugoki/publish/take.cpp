@@ -18,7 +18,7 @@ Result<Take> record_take(content::Player& player, double duration, double rate, 
   take.gravity = content.gravity;
   take.camera = content.camera;
   for (const content::ExecutableCharacter& c : content.characters)
-    take.characters.push_back({c.id, c.name, c.color, c.material.shape_colors, content.mechanism_of(c), {}, {}, {}});
+    take.characters.push_back({c.id, c.name, c.color, c.material.shape_colors, c.material.shown, content.mechanism_of(c), {}, {}, {}});
   const double step = player.step_size(), begin = player.time();
   const int frames = static_cast<int>(std::floor((duration - begin) * rate + 1e-6)) + 1;
   content::DisplayFrame frame;

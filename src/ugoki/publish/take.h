@@ -13,6 +13,7 @@ struct TakeCharacter {
   std::string id, name;
   std::string color;                      ///< "#rrggbb"
   std::vector<std::string> shape_colors;  ///< of the visible shapes, link by link; those without one have `color`
+  std::string shown = "skin";             ///< of a mechanism with a skin: ScenarioMaterial::shown
   MechanismPtr mechanism;
   std::vector<content::DisplayPose> poses;  ///< [frames * links] in the world
   std::vector<Vec3> centres;                ///< [frames] centre of mass, m, world

@@ -61,7 +61,8 @@ class Writer {
     add_camera();
     root_["scenes"] = Json::array({{{"name", take_.name}, {"nodes", roots_}}});
     root_["nodes"] = nodes_;
-    for (const auto& [key, list] : {std::pair{"meshes", &meshes_}, {"materials", &materials_}, {"skins", &skins_}})
+    for (const auto& [key, list] :
+         {std::pair{"meshes", &meshes_}, {"materials", &materials_}, {"skins", &skins_}, {"textures", &textures_}, {"images", &images_}})
       if (!list->empty()) root_[key] = *list;
     if (!channels_.empty()) root_["animations"] = Json::array({{{"name", take_.name}, {"channels", channels_}, {"samplers", samplers_}}});
     return chunk_.finish(std::move(root_));
@@ -109,7 +110,74 @@ class Writer {
       if (!still) animate(first + l, "translation", chunk_.floats(positions, 3, "VEC3"));
       if (!straight) animate(first + l, "rotation", chunk_.floats(rotations, 4, "VEC4"));
     }
-    add_mesh(c, first);
+    const bool skinned = c.mechanism->skin() && c.shown != "body";
+    if (skinned) add_skin(c, first);
+    if (!skinned || c.shown == "both") add_mesh(c, first);
+  }
+
+  /// Adds the skin of the mechanism. Its vertices keep their coordinates; the maps of the bones are the inverse bind matrices.
+  void add_skin(const TakeCharacter& c, std::size_t first) {
+    const Skin& skin = *c.mechanism->skin();
+    std::vector<float> binds, normals, weights;
+    Json joints = Json::array();
+    std::vector<char> taken(c.links(), 0);
+    for (const SkinBone& bone : c.mechanism->skin_bones()) {
+      const auto link = static_cast<std::size_t>(c.mechanism->find_link(bone.link));
+      std::size_t node = first + link;
+      if (taken[link]++ != 0) {  // a glTF skin lists a node once; further bones of a link get nodes of their own
+        nodes_.push_back({{"name", bone.link + " skin " + std::to_string(taken[link])}});
+        nodes_[node]["children"].push_back(nodes_.size() - 1);
+        node = nodes_.size() - 1;
+      }
+      joints.push_back(node);
+      for (int axis = 0; axis < 3; ++axis) {
+        put(binds, to_file(bone.A.column(axis)));
+        binds.push_back(0);
+      }
+      put(binds, to_file(bone.p));
+      binds.push_back(1);
+    }
+    for (std::size_t v = 0; v < skin.vertex_count(); ++v) {
+      const float* n = skin.normals.data() + 3 * v;
+      put(normals, unit_in_single(normalized(Vec3{n[0], n[1], n[2]}, {0, 0, 1})));
+      for (std::size_t k = 4 * v; k < 4 * v + 4; ++k) weights.push_back(static_cast<float>(skin.weights[k]) / 65535);
+    }
+    const int position = chunk_.floats(skin.positions, 3, "VEC3", 34962);
+    chunk_.bound(position, skin.positions, 3);
+    const Json attributes = {{"POSITION", position},
+                             {"NORMAL", chunk_.floats(normals, 3, "VEC3", 34962)},
+                             {"TEXCOORD_0", chunk_.floats(skin.uvs, 2, "VEC2", 34962)},
+                             {"JOINTS_0", chunk_.add(skin.bones, 4, "VEC4", 5123, 34962)},
+                             {"WEIGHTS_0", chunk_.floats(weights, 4, "VEC4", 34962)}};
+    const std::size_t first_texture = textures_.size();
+    for (const SkinTexture& t : skin.textures) {
+      textures_.push_back({{"source", images_.size()}});
+      images_.push_back({{"bufferView", chunk_.picture(t.data)}, {"mimeType", t.type}});
+    }
+    const std::string name = c.name.empty() ? c.id : c.name;
+    Json primitives = Json::array();
+    for (const SkinPart& part : skin.parts) {
+      const std::vector<std::uint32_t> corners(skin.indices.begin() + part.first, skin.indices.begin() + part.first + part.count);
+      primitives.push_back(
+          {{"attributes", attributes}, {"indices", chunk_.add(corners, 1, "SCALAR", 5125, 34963)}, {"material", materials_.size()}});
+      Json surface = {{"baseColorFactor", {linear(part.color, 1), linear(part.color, 3), linear(part.color, 5), 1}},
+                      {"metallicFactor", 0},
+                      {"roughnessFactor", 0.75}};
+      if (part.texture >= 0) surface["baseColorTexture"] = {{"index", first_texture + static_cast<std::size_t>(part.texture)}};
+      Json material = {{"name", name + " skin"}, {"pbrMetallicRoughness", std::move(surface)}};
+      if (part.cutoff > 0) material["alphaMode"] = "MASK", material["alphaCutoff"] = part.cutoff;
+      if (part.both_sides) material["doubleSided"] = true;
+      materials_.push_back(std::move(material));
+    }
+    add_node(name + " skin", std::move(primitives), joints, binds);
+  }
+
+  /// Adds a mesh with its skin and the node that shows it.
+  void add_node(const std::string& name, Json primitives, const Json& joints, const std::vector<float>& binds) {
+    meshes_.push_back({{"name", name}, {"primitives", std::move(primitives)}});
+    skins_.push_back({{"name", name}, {"joints", joints}, {"inverseBindMatrices", chunk_.floats(binds, 16, "MAT4")}});
+    roots_.push_back(nodes_.size());
+    nodes_.push_back({{"name", name}, {"mesh", meshes_.size() - 1}, {"skin", skins_.size() - 1}});
   }
 
   /// Adds mesh, materials and skin. Each vertex moves with one link; the mesh is bound in the pose of the first frame.
@@ -204,6 +272,7 @@ class Writer {
   const Take& take_;
   formats::GlbChunk chunk_;
   Json root_, nodes_ = Json::array(), roots_ = Json::array(), meshes_ = Json::array(), materials_ = Json::array(), skins_ = Json::array();
+  Json textures_ = Json::array(), images_ = Json::array();
   Json channels_ = Json::array(), samplers_ = Json::array();
   int times_ = -1;
 };

@@ -26,6 +26,8 @@ export interface Material {
   link_colors?: Record<string, string>;
   /** Colours of the visible shapes, link by link; '': that of the link. */
   shape_colors?: string[];
+  /** Of a mechanism with a skin; absent: the skin. 'both': the skin is transparent. */
+  shown?: 'skin' | 'body' | 'both';
 }
 
 export const plain_look = {

@@ -433,6 +433,25 @@ export interface HeightFieldSurface {
   heights: string;
 }
 
+/** The skin of a character file: lists as Base64 of little-endian numbers. */
+export interface SkinData {
+  /** 32-bit floats: [vertices][3], [vertices][3], [vertices][2]. */
+  positions: string;
+  normals: string;
+  uvs: string;
+  /** 16-bit numbers [vertices][4]: bones, and their weights in 1/65535. */
+  bones: string;
+  weights: string;
+  /** 32-bit numbers: corners of the triangles. */
+  indices: string;
+  parts: { color: string; texture: number; first: number; count: number; cutoff: number; both_sides: boolean }[];
+  textures: { type: string; data: string }[];
+  /** Link of each bone. */
+  links: number[];
+  /** [bones][3][4] from the vertices to the frame of the link, m. */
+  matrices: number[];
+}
+
 export interface MechanismData {
   id: string;
   name: string;
@@ -444,6 +463,7 @@ export interface MechanismData {
   height: number;
   /** Meshes and height fields that shapes refer to, by key. */
   surfaces?: Record<string, MeshSurface | HeightFieldSurface>;
+  skin?: SkinData;
   links: LinkData[];
 }
 

@@ -302,7 +302,7 @@ export class UgokiPlayer extends HTMLElement implements GestureHost {
       }
       const engine = await open_engine(src);
       if (stale()) return engine.dispose();
-      if (this.opened) this.opened.engine = engine;
+      if (this.opened) this.opened.view.add_skins((this.opened.engine = engine).scene);
       else this.open(engine);
       this.begin();
     } catch (error) {

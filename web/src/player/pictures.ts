@@ -2,6 +2,7 @@
 import { Access } from '../core/access';
 import type { Engine, RecordedInput } from './engine';
 import { PlanarPictures } from './planar';
+import { textures_ready } from '../view/skin_view';
 import { SceneView } from './scene_view';
 
 interface Settings {
@@ -51,6 +52,7 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
   const { width, height } = settings;
   const canvas = document.createElement('canvas');
   const view = new SceneView(canvas, engine.scene, { theme: settings.theme, pictures: true, transparent: settings.transparent });
+  await textures_ready();
   view.assist = settings.assist;
   view.resize(width, height);
   if (settings.inputs) {

@@ -7,6 +7,7 @@ import { CameraRig } from '../view/camera';
 import { is_body } from '../view/body_field';
 import { BodySkin, body_surface, GradualSurfaces, hidden_layer, sample_surface } from '../view/body_view';
 import { CharacterView, mechanism_geometries, type LinkTag } from '../view/character_view';
+import { on_texture } from '../view/skin_view';
 import { Arrow, assist_color, ContactDiscs, Spring } from '../view/overlays';
 import { shadow_reach, Stage, type StageOptions } from '../view/stage';
 import type { Scene } from './engine';
@@ -37,6 +38,9 @@ export class SceneView {
   /** True: the view is that of the shots; false after the user has moved it. */
   directed = true;
   private readonly surfaces = new GradualSurfaces();
+  /** True: skins or their textures have come since the last call of refine(). */
+  private new_pictures = false;
+  private readonly end_textures = on_texture(() => (this.new_pictures = true));
   /** Bodies whose shaders are compiled before the first picture; empty afterwards. */
   private samples: BodySkin[] = [];
   private readonly assist_arrows: Arrow[];
@@ -93,9 +97,17 @@ export class SceneView {
     return samples;
   }
 
+  /** Draws the skins that `scene` has, the same scene with them. */
+  add_skins(scene: Scene): void {
+    this.characters.forEach((view, i) => view.add_skin(scene.mechanisms[scene.characters[i]!.mechanism]!));
+    this.new_pictures = true;
+  }
+
   /** Works on the smooth surfaces, which are rough at first. @return true if the picture changes */
   refine(milliseconds: number): boolean {
-    return this.surfaces.refine(milliseconds);
+    const changed = this.new_pictures;
+    this.new_pictures = false;
+    return this.surfaces.refine(milliseconds) || changed;
   }
 
   set_theme(theme: 'dark' | 'light'): void {
@@ -285,6 +297,7 @@ export class SceneView {
   }
 
   dispose(): void {
+    this.end_textures();
     for (const view of this.characters) view.dispose();
     this.stage.dispose();
   }

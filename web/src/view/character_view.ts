@@ -9,6 +9,7 @@ import { parts_of_body } from './body_field';
 import { BodySkin, body_surface, hidden_layer, LinkBones, type Glow } from './body_view';
 import type { BodySurface } from './body_surface';
 import { shadow_material } from './shadow_region';
+import { SkinView } from './skin_view';
 import { surface_geometry, type Surfaces } from './surfaces';
 
 const pose_position = new THREE.Vector3();
@@ -108,10 +109,16 @@ export class CharacterView {
   /** Mesh of each link; null for links without shapes. */
   readonly links: (THREE.Mesh | null)[];
   private readonly plain: THREE.MeshStandardMaterial;
+  /** World poses of the links as drawn: x y z (m) qw qx qy qz of each. */
+  private readonly poses: Float32Array;
   private readonly emphasised: Record<Exclude<Emphasis, 'none'>, THREE.MeshStandardMaterial>;
   private readonly shown: Emphasis[];
   /** The smooth surface; null if the mechanism is no body, or the surface is not wanted. */
   private readonly skin: BodySkin | null;
+  /** The skin of the character's file; null if it has none. */
+  private own_skin: SkinView | null = null;
+  private shapes_only = false;
+  private material: Material = {};
   /** Colour and surface as last set, as JSON. */
   private shown_look = '';
   /** Material of each link without emphasis; `plain` where absent. */
@@ -127,6 +134,8 @@ export class CharacterView {
     /** Makes the smooth surface; null: the links are always drawn one by one. */
     surface_of: ((mechanism: MechanismData) => BodySurface | null) | null = body_surface,
   ) {
+    this.poses = new Float32Array(7 * mechanism.links.length);
+    for (let i = 0; i < mechanism.links.length; i++) this.poses[7 * i + 3] = 1;
     const surface = surface_of && surface_of(mechanism);
     this.skin = surface && new BodySkin(surface, color);
     this.plain = new THREE.MeshStandardMaterial({ color, roughness: 0.6, metalness: 0 });
@@ -150,13 +159,36 @@ export class CharacterView {
     if (this.skin) this.group.add(this.skin.mesh);
     this.hide_links(this.skin !== null);
     this.place_neutral();
+    this.add_skin(mechanism);
+  }
+
+  /** Draws the skin of a mechanism with the same links from now on. Without a skin, nothing changes. */
+  add_skin({ skin }: MechanismData): void {
+    if (!skin || this.own_skin) return;
+    this.own_skin = new SkinView(skin);
+    this.group.add(this.own_skin.mesh);
+    this.own_skin.place(this.poses);
+    this.show_parts();
+  }
+
+  /** Shows skin, body or shapes as the material and show_shapes() specify. */
+  private show_parts(): void {
+    const { shown = 'skin' } = this.material;
+    const skinned = this.own_skin !== null && !this.shapes_only && shown !== 'body';
+    this.own_skin?.set_look(this.material);
+    if (this.own_skin) this.own_skin.visible = skinned;
+    const bare = this.own_skin !== null && skinned && shown === 'skin';
+    const smooth = this.skin !== null && !this.shapes_only && !bare;
+    if (this.skin) this.skin.mesh.visible = smooth;
+    const of_body = parts_of_body(this.mechanism);
+    this.links.forEach((mesh, i) => mesh?.layers.set(bare || (smooth && of_body[i]) ? hidden_layer : 0));
   }
 
   /** Draws the collision shapes of the links instead of the smooth surface, or the other way round. */
   show_shapes(on: boolean): void {
-    if (!this.skin || this.skin.mesh.visible === !on) return;
-    this.skin.mesh.visible = !on;
-    this.hide_links(!on);
+    if (this.shapes_only === on) return;
+    this.shapes_only = on;
+    this.show_parts();
   }
 
   /** Hides the links that the smooth surface shows, or shows them again. */
@@ -166,10 +198,13 @@ export class CharacterView {
   }
 
   /** Colour and surface of the character. @param environment what metal reflects; null: nothing */
-  set_look(color: string, { roughness = 0.6, metalness = 0, link_colors, shape_colors: painted = [] }: Material, environment: THREE.Texture | null = null): void {
-    const text = JSON.stringify([color, roughness, metalness, link_colors, painted, environment?.uuid]);
+  set_look(color: string, material: Material, environment: THREE.Texture | null = null): void {
+    const { roughness = 0.6, metalness = 0, link_colors, shape_colors: painted = [] } = material;
+    const text = JSON.stringify([color, roughness, metalness, link_colors, painted, material.shown, environment?.uuid]);
     if (text === this.shown_look) return;
     this.shown_look = text;
+    this.material = material;
+    if (this.own_skin) this.show_parts();
     const names = Object.keys(link_colors ?? {});
     const colors = names.length > 0 ? this.mechanism.links.map((link) => link_colors![link.name] ?? null) : null;
     this.color_links(colors ?? []);
@@ -249,16 +284,19 @@ export class CharacterView {
       const p = link.neutral;
       if (p) this.set_pose(index, p, 0);
     });
+    this.own_skin?.place(this.poses);
   }
 
   /** Poses all links as in a frame. */
   place(frame: Frame, character: CharacterFrame): void {
     const count = Math.min(character.links, this.links.length);
     for (let i = 0; i < count; i++) this.set_pose(i, frame.floats, character.poses + 7 * i);
+    this.own_skin?.place(this.poses);
   }
 
   private set_pose(link: number, values: ArrayLike<number>, at: number): void {
     const pose = read_pose(values, at);
+    for (let i = 0; i < 7; i++) this.poses[7 * link + i] = values[at + i]!;
     place_mesh(this.links[link], pose);
     this.skin?.bones.set(link, pose);
   }
@@ -267,10 +305,12 @@ export class CharacterView {
   place_poses(values: Float32Array, at: number, links: number): void {
     const count = Math.min(links, this.links.length);
     for (let i = 0; i < count; i++) this.set_pose(i, values, at + 7 * i);
+    this.own_skin?.place(this.poses);
   }
 
   dispose(): void {
     this.skin?.dispose();
+    this.own_skin?.dispose();
     this.plain.dispose();
     for (const material of this.own) material.dispose();
     for (const material of Object.values(this.emphasised)) material.dispose();

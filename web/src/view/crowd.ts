@@ -132,6 +132,8 @@ export class Crowd {
     const member = new CrowdMember(character, mechanism, geometries, color);
     member.surface = this.surface_of(member);
     member.place_neutral();
+    member.show_skin(this.shapes);
+    if (member.skin) this.group.add(member.skin.mesh);
     this.members.add(member);
     this.changed = true;
     return member;
@@ -139,6 +141,8 @@ export class Crowd {
 
   remove(member: CrowdMember): void {
     this.members.delete(member);
+    if (member.skin) this.group.remove(member.skin.mesh);
+    member.skin?.dispose();
     this.changed = true;
   }
 
@@ -147,13 +151,19 @@ export class Crowd {
     if (this.shapes === on) return;
     this.shapes = on;
     this.changed = true;
-    for (const member of this.members) member.surface = this.surface_of(member);
+    for (const member of this.members) {
+      member.surface = this.surface_of(member);
+      member.show_skin(on);
+    }
   }
 
   /** Colour and surface of a character. @param environment what metal reflects; null: nothing */
   set_look(member: CrowdMember, color: string, material: Material, environment: THREE.Texture | null): void {
     const metal = member.metalness > 0;
+    const { bare } = member;
     member.set_look(color, material);
+    member.show_skin(this.shapes);
+    this.changed ||= bare !== member.bare;
     if (environment && environment !== this.environment) this.environment = environment;
     this.changed ||= metal !== member.metalness > 0;
     const surface = this.surface_of(member);
@@ -203,7 +213,7 @@ export class Crowd {
       }
       this.lists.clear();
       for (const pair of this.batches.values()) for (const batch of pair) this.lists.set(batch, []);
-      for (const member of this.members) this.lists.get(this.batches.get(member.surface!)![member.metalness > 0 ? 1 : 0])!.push(member);
+      for (const member of this.members) if (!member.bare) this.lists.get(this.batches.get(member.surface!)![member.metalness > 0 ? 1 : 0])!.push(member);
       this.changed = false;
     }
     for (const [plain, metal] of this.batches.values()) {
@@ -214,6 +224,7 @@ export class Crowd {
   private readonly lists = new Map<Batch, CrowdMember[]>();
 
   dispose(): void {
+    for (const member of this.members) member.skin?.dispose();
     for (const pair of this.batches.values()) for (const batch of pair) batch.dispose();
   }
 }

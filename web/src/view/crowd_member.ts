@@ -5,6 +5,7 @@ import type { Material } from '../core/look';
 import type { MechanismData } from '../core/protocol';
 import { glows, type Emphasis, type LinkTag } from './character_view';
 import type { CrowdSurface } from './crowd_surface';
+import { SkinView } from './skin_view';
 
 const position = new THREE.Vector3();
 const rotation = new THREE.Quaternion();
@@ -33,6 +34,12 @@ export class CrowdMember {
   metalness = 0;
   /** Displacement from the poses that are placed, m. */
   readonly offset = new THREE.Vector3();
+  /** The skin of the character's file; null if it has none. */
+  readonly skin: SkinView | null;
+  /** True: the skin is drawn; and the body is not drawn. */
+  skinned = false;
+  bare = false;
+  private material: Material = {};
   private readonly shaped: number[] = [];
   private readonly shown: Emphasis[];
   private colors: readonly (string | null)[] | null = null;
@@ -56,6 +63,8 @@ export class CrowdMember {
     this.marks = new Float32Array(8 * count);
     this.shown = mechanism.links.map(() => 'none');
     this.color.set(color);
+    this.skin = mechanism.skin ? new SkinView(mechanism.skin) : null;
+    if (this.skin) this.skin.mesh.userData.casters = [this.spheres];
     geometries.forEach((geometry, link) => {
       if (!geometry?.boundingSphere) return;
       this.shaped.push(link);
@@ -73,8 +82,10 @@ export class CrowdMember {
     this.pack();
   }
 
-  set_look(color: string, { roughness = 0.6, metalness = 0, link_colors, shape_colors = [] }: Material): void {
-    const text = JSON.stringify([color, roughness, metalness, link_colors, shape_colors]);
+  set_look(color: string, material: Material): void {
+    const { roughness = 0.6, metalness = 0, link_colors, shape_colors = [] } = material;
+    const text = JSON.stringify([color, roughness, metalness, link_colors, shape_colors, material.shown]);
+    this.material = material;
     if (text === this.shown_look) return;
     this.shown_look = text;
     this.color.set(color);
@@ -95,6 +106,17 @@ export class CrowdMember {
     if (this.shown[link] === emphasis) return;
     this.shown[link] = emphasis;
     this.fill_marks();
+  }
+
+  /** Shows the skin, or the body, or both. @param shapes true: the collision shapes are shown instead of skins */
+  show_skin(shapes: boolean): void {
+    if (!this.skin) return;
+    const { shown = 'skin' } = this.material;
+    this.skinned = !shapes && shown !== 'body';
+    this.bare = this.skinned && shown === 'skin';
+    const glow = Math.max(...this.shown.map((e) => glows[e][1]));
+    this.skin.set_look(this.material, this.shown.every((e) => e !== 'none') ? 0.12 * glow : 0);
+    this.skin.visible = this.skinned;
   }
 
   private fill_marks(): void {
@@ -160,6 +182,7 @@ export class CrowdMember {
       center.y += poses[at + 1]!;
       center.z += poses[at + 2]!;
     }
+    this.skin?.place(poses);
     this.posed = true;
     this.target_is_old = true;
   }

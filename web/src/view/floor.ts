@@ -192,7 +192,7 @@ export class Floor {
     const crowds: THREE.Sphere[][] = [];
     scene.traverseVisible((o) => {
       // the bounds of a surface that follows links are those of the links, which are in the scene too
-      if (!(o instanceof THREE.Mesh) || !o.castShadow || o instanceof THREE.SkinnedMesh) return;
+      if (!(o instanceof THREE.Mesh) || !o.castShadow || (o instanceof THREE.SkinnedMesh && !o.userData.casters)) return;
       if (o.userData.casters) return void crowds.push(...(o.userData.casters as THREE.Sphere[][]));
       const group = groups.get(o.parent);
       if (group) group.push(sphere_of(o));

@@ -88,6 +88,7 @@ export class ImportView {
     this.shown = shown;
     if (!shown) return;
     this.character_view = new CharacterView('', shown.mechanism, mechanism_geometries(shown.mechanism), '#e2b08a', null);
+    if (shown.mechanism.skin) this.character_view.set_look('#e2b08a', { shown: 'both' }); // the anatomy stays visible
     for (const mesh of this.character_view.links) if (mesh) mesh.frustumCulled = false;
     if (shown.colors) this.character_view.color_links(shown.colors);
     this.stage.scene.add(this.character_view.group);

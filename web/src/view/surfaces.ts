@@ -7,7 +7,8 @@ export type Surfaces = NonNullable<MechanismData['surfaces']>;
 
 const crease = (32 * Math.PI) / 180; // maximum angle between faces that are shaded as one smooth surface, rad
 
-function unpack(text: string): ArrayBuffer {
+/** The bytes of a Base64 text. */
+export function unpack(text: string): ArrayBuffer {
   const letters = atob(text);
   const bytes = new Uint8Array(letters.length);
   for (let i = 0; i < letters.length; i++) bytes[i] = letters.charCodeAt(i);

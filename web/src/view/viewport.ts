@@ -13,6 +13,7 @@ import { selected_character, shown_document, type StudioState } from '../core/st
 import { CameraRig } from './camera';
 import { mechanism_geometries, type LinkTag } from './character_view';
 import { Crowd } from './crowd';
+import { on_texture } from './skin_view';
 import type { CrowdMember } from './crowd_member';
 import { Arrow, assist_color, ContactDiscs, make_ring, Segments, Spring } from './overlays';
 import { CameraOutlines } from './film_view';
@@ -104,6 +105,7 @@ export class Viewport {
     this.undo_subscriptions.push(
       session.store.subscribe((state, before) => this.state_changed(state, before)),
       session.frames.on_frame(() => this.invalidate()),
+      on_texture(() => this.invalidate()),
     );
     this.rig.film_border = 1.12;
     this.rig.on_leave = () => {

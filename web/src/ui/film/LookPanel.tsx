@@ -30,6 +30,12 @@ export function LookPanel(): ReactElement {
   );
 }
 
+const shown_titles = {
+  skin: 'Show the skin of the character file',
+  body: 'Show the body that is simulated',
+  both: 'Show the body through the skin',
+};
+
 function MaterialFields({ character, link }: { character: Character; link: number | undefined }): ReactElement {
   const mechanism = useStudio((s) => s.mechanisms[character.mechanism]);
   const set = (fields: Partial<Character>): Command => ({ type: 'character.set', id: character.id, ...fields }) as Command;
@@ -80,6 +86,15 @@ function MaterialFields({ character, link }: { character: Character; link: numbe
           <NumberField label="Roughness" value={roughness} step={0.01} min={0} max={1} slider title="0: sharp highlights, 1: matt" {...number('roughness')} />
           <NumberField label="Metal" value={metalness} step={0.01} min={0} max={1} slider title="0: plastic, skin, cloth, wood; 1: metal, which reflects sky and ground" {...number('metalness')} />
         </>
+      )}
+      {!part && mechanism?.skin && (
+        <div className="segments" role="group" aria-label="Shown">
+          {(['skin', 'body', 'both'] as const).map((shown) => (
+            <button key={shown} type="button" aria-pressed={(character.shown ?? 'skin') === shown} title={shown_titles[shown]} onClick={() => send(set({ shown }))}>
+              {shown[0]!.toUpperCase() + shown.slice(1)}
+            </button>
+          ))}
+        </div>
       )}
       {!part && clothes.length > 0 && (
         <>
