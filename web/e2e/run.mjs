@@ -1,16 +1,23 @@
-// npm run e2e [-- [--slow] words[|words]]: runs the first journey and those whose names contain the words (one of the groups of words); prints one
-// line for each and the counts. With --slow also those that take minutes.
+// npm run e2e [-- [--slow] words[|words]]: runs the journeys whose names contain the words (one of the groups of words); prints one line for each and
+// the counts. With --slow also those that take minutes.
+// The groups of journeys (journeys.mjs) are distributed among workers: processes of this program with the option --worker, each with a service and a
+// browser of its own.
 // A journey that fails runs a second time in the restored studio, because a busy machine can miss a time limit; its line names the first failure.
 // The viewport is drawn at a low resolution, because Chromium draws with the processor; with UGOKI_PICTURES=1 at full resolution, for people
 // who look at the pictures in out/.
 // Environment: UGOKI_BIN, UGOKI_CHROMIUM, UGOKI_MOCK=1, UGOKI_PICTURES=1.
-import { launch } from './browser.mjs';
-import { journeys as all } from './journeys.mjs';
+import { fork } from 'node:child_process';
+import { availableParallelism } from 'node:os';
+import { fileURLToPath } from 'node:url';
+import { launch, ready } from './browser.mjs';
+import { closing, groups, opening } from './journeys.mjs';
 import { available, program, start_service } from './service.mjs';
 
 const slow = process.argv.includes('--slow');
-const choices = process.argv.slice(2).filter((word) => word !== '--slow').join(' ').split('|').map((words) => words.trim());
-const journeys = all.filter((journey, i) => (slow || !journey.slow) && (i === 0 || choices.some((words) => journey.name.includes(words))));
+const choices = process.argv.slice(2).filter((word) => !word.startsWith('--')).join(' ').split('|').map((words) => words.trim());
+const chosen = (journey) => (slow || !journey.slow) && choices.some((words) => journey.name.includes(words));
+const chosen_groups = groups.map((group) => group.filter(chosen)).filter((group) => group.length > 0);
+const max_workers = 4; // a browser that draws with the processor, and a service that simulates, use more than one core for part of the time
 
 let passed = 0;
 let failed = 0;
@@ -68,7 +75,7 @@ async function attempt(journey, context, before) {
     return undefined;
   } catch (error) {
     error.message += `\n(${await situation(page)})`;
-    await page.screenshot({ path: new URL(`./out/failed-${passed + failed + 1}.png`, import.meta.url).pathname }).catch(() => undefined);
+    await page.screenshot({ path: new URL(`./out/failed-${failed + 1}-${journey.name.replaceAll(/\W+/g, '-').slice(0, 40)}.png`, import.meta.url).pathname }).catch(() => undefined);
     if (service.ended()) throw new Error(`the service ended during the journey '${journey.name}': ${service.output().slice(-1500)}`, { cause: error });
     if (!before) throw error;
     await recover(page, before, service.folder).catch((second) => {
@@ -83,12 +90,46 @@ async function attempt(journey, context, before) {
   }
 }
 
-async function main() {
-  if (!available) {
-    for (const journey of journeys) console.log(`skip ${journey.name}: there is no program at ${program}; build it, or set UGOKI_BIN to its path`);
-    skipped = journeys.length;
+/** Runs one journey and prints its line. */
+async function run(journey, context) {
+  const { page, service } = context;
+  const skip = journey.skip || (await journey.unless?.({ page }));
+  if (skip) {
+    console.log(`skip ${journey.name}: ${skip}`);
+    skipped++;
     return;
   }
+  const before = journey === opening ? null : await document_of(page).catch(() => null);
+  const began = Date.now();
+  try {
+    const first = await attempt(journey, context, before);
+    console.log(`ok ${journey.name} (${((Date.now() - began) / 1000).toFixed(1)} s)${first ? ` at the second attempt; the first: ${String(first.message ?? first).split('\n').filter((line, i, lines) => i === 0 || i === lines.length - 1).join(' ')}` : ''}`);
+    passed++;
+  } catch (error) {
+    console.log(`not ok ${journey.name}\n  ${indented(error)}`);
+    failed++;
+    context.failed = true;
+    if (journey === opening || service.ended()) throw error;
+    if (before) await recover(page, before, service.folder).catch((e) => console.log(`  the studio was not restored: ${e.message}`));
+  }
+}
+
+/** Loads the page again with its first layout if a group has left another panel over the whole window. */
+async function show_viewport(page) {
+  if (await page.evaluate("document.querySelector('.viewport > canvas')?.clientWidth > 0")) return;
+  await page.evaluate("Object.keys(localStorage).filter((key) => key.startsWith('ugoki.layout')).forEach((key) => localStorage.removeItem(key))");
+  await page.reload();
+  await ready(page);
+}
+
+/** The journeys of the next group, from the first process, or undefined. */
+const next_group = () => new Promise((resolve) => {
+  process.once('message', ({ group }) => resolve(chosen_groups[group]));
+  process.send({ ask: true });
+});
+
+/** Runs groups of journeys until no group is left. */
+async function work() {
   const service = await start_service();
   const browser = await launch();
   try {
@@ -106,39 +147,59 @@ async function main() {
       // a refused import is answered with status 4xx, which the browser logs as an error
       if (m.type() === 'error' && !/status of 4\d\d/.test(m.text())) seen.errors.push(m.text());
     });
-    const memory = {};
-    for (const journey of journeys) {
-      const skip = journey.skip || (await journey.unless?.({ page }));
-      if (skip) {
-        console.log(`skip ${journey.name}: ${skip}`);
-        skipped++;
-        continue;
-      }
-      const before = passed + failed > 0 ? await document_of(page).catch(() => null) : null;
-      const began = Date.now();
-      try {
-        const first = await attempt(journey, { page, service, seen, memory }, before);
-        console.log(`ok ${journey.name} (${((Date.now() - began) / 1000).toFixed(1)} s)${first ? ` at the second attempt; the first: ${String(first.message ?? first).split('\n').filter((line, i, lines) => i === 0 || i === lines.length - 1).join(' ')}` : ''}`);
-        passed++;
-      } catch (error) {
-        console.log(`not ok ${journey.name}\n  ${indented(error)}`);
-        failed++;
-        if (service.ended()) throw error;
-        if (before) await recover(page, before, service.folder).catch((e) => console.log(`  the studio was not restored: ${e.message}`));
-      }
+    const context = { page, service, seen, memory: {}, failed: false };
+    await run(opening, context);
+    for (let group = await next_group(); group; group = await next_group()) {
+      for (const journey of group) await run(journey, context);
+      await show_viewport(page);
     }
-    if (failed > 0) console.log(`  output of the service: ${service.output().slice(-1500)}`);
+    await run(closing, context);
+    if (context.failed) console.log(`  output of the service: ${service.output().slice(-1500)}`);
   } finally {
     await browser.close();
     await service.stop();
   }
 }
 
-try {
-  await main();
-} catch (error) {
-  console.log(`not ok the studio starts\n  ${error.message}`);
-  failed++;
+/** Runs all chosen journeys in worker processes, and adds up their counts. */
+async function distribute() {
+  if (!available) {
+    for (const journey of chosen_groups.flat()) console.log(`skip ${journey.name}: there is no program at ${program}; build it, or set UGOKI_BIN to its path`);
+    skipped = chosen_groups.flat().length;
+    return;
+  }
+  let next = 0;
+  const worker = () => new Promise((resolve) => {
+    const child = fork(fileURLToPath(import.meta.url), [...process.argv.slice(2), '--worker']);
+    let counts;
+    child.on('message', (message) => {
+      if (message.ask) child.send({ group: next < chosen_groups.length ? next++ : -1 });
+      else counts = message;
+    });
+    child.on('exit', (code, signal) => {
+      if (!counts) console.log(`not ok a worker of the journeys ended with ${signal ?? code}`);
+      passed += counts?.passed ?? 0;
+      failed += counts?.failed ?? 1;
+      skipped += counts?.skipped ?? 0;
+      resolve();
+    });
+  });
+  const workers = Math.max(1, Math.min(max_workers, availableParallelism(), chosen_groups.length));
+  await Promise.all(Array.from({ length: workers }, worker));
+  if (next < chosen_groups.length) {
+    console.log(`not ok ${chosen_groups.length - next} groups of journeys were not run`);
+    failed++;
+  }
 }
-console.log(`${passed} passed, ${failed} failed${skipped ? `, ${skipped} skipped` : ''}`);
-process.exit(failed > 0 ? 1 : 0);
+
+if (process.argv.includes('--worker')) {
+  await work().catch((error) => {
+    console.log(`not ok the studio runs\n  ${indented(error)}`);
+    failed++;
+  });
+  process.send({ passed, failed, skipped }, () => process.exit(0));
+} else {
+  await distribute();
+  console.log(`${passed} passed, ${failed} failed${skipped ? `, ${skipped} skipped` : ''}`);
+  process.exit(failed > 0 ? 1 : 0);
+}

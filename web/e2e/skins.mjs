@@ -47,7 +47,7 @@ export const skin_journeys = [
       await dialog.waitFor({ state: 'detached', timeout: 60000 });
       await page.getByRole('radio', { name: 'Motions' }).click();
       await page.getByRole('searchbox', { name: 'Search the library' }).fill('stripes');
-      await card(page, 'stripes').dblclick();
+      await card(page, 'sway').dblclick();
       const person = await until(page, async () => (await document_of(page)).characters[count], 'the character');
       await page.getByRole('searchbox', { name: 'Search the library' }).fill('');
       await page.getByRole('radio', { name: 'All' }).click();
@@ -93,12 +93,16 @@ export const skin_journeys = [
       await shot('skin-simulated');
       await set_mode(page, 'Edit');
 
-      // pictures of the exported content show it
-      const [path] = await hook(page, 'recent()');
+      // the executable data of the saved project contain it
       await page.keyboard.press('Control+s');
       const out = join(service.folder, 'skin.ugx');
-      const baked = service.run(['export', path, '--ugx', out]);
-      if (baked.status === 0) assert.ok(readFileSync(out).includes('"positions": "'), 'the executable data contain the skin');
+      let baked;
+      await until(page, () => {
+        baked = service.run(['export', join(service.folder, 'sample.ugoki'), '--ugx', out]);
+        return baked.status === 0 && readFileSync(out).includes('"positions": "');
+      }, 'executable data with the skin').catch((error) => {
+        throw new Error(`${error.message}: ${baked.stderr}${baked.stdout}`);
+      });
 
       await undo_to(page, before);
     },

@@ -3,7 +3,7 @@ import { expect, test } from 'vitest';
 import type { SkinData } from '../src/core/protocol';
 import { SkinView } from '../src/view/skin_view';
 
-const pack = (values: Float32Array | Uint16Array | Uint32Array): string => Buffer.from(values.buffer).toString('base64');
+const pack = (values: Float32Array | Uint16Array | Uint32Array): string => btoa(String.fromCharCode(...new Uint8Array(values.buffer)));
 
 /** Three vertices: the first follows bone 0 (on link 1), the second bone 1 (on link 0, scaled by 2), the third both by a quarter and three quarters. */
 const skin: SkinData = {

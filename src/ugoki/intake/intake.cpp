@@ -17,6 +17,7 @@
 #include "ugoki/intake/animal_size.h"
 #include "ugoki/intake/arrange.h"
 #include "ugoki/intake/choice.h"
+#include "ugoki/intake/joined_motion.h"
 #include "ugoki/intake/mesh_intake.h"
 #include "ugoki/intake/scale.h"
 #include "ugoki/intake/skin_binding.h"
@@ -60,20 +61,6 @@ Result<MechanismPtr> finished(const body::Body& body, const std::string& name, S
 
 Json mechanism_summary(const Mechanism& mechanism, const std::string& source) {
   return {{"dofs", mechanism.nv()}, {"links", mechanism.link_count()}, {"mass", mechanism.mass()}, {"source", source}};
-}
-
-/// Concatenates motions on one skeleton, so that a body made from the result can reproduce all of them.
-MeasuredMotion joined(const std::vector<MeasuredMotion>& motions) {
-  MeasuredMotion all = motions[0];
-  for (std::size_t i = 1; i < motions.size(); ++i) {
-    const MeasuredMotion& m = motions[i];
-    all.frames += m.frames;
-    all.translations.insert(all.translations.end(), m.translations.begin(), m.translations.end());
-    all.rotations.insert(all.rotations.end(), m.rotations.begin(), m.rotations.end());
-    for (std::size_t j = 0; j < m.skeleton.joints.size(); ++j)
-      all.skeleton.joints[j].translates = all.skeleton.joints[j].translates || m.skeleton.joints[j].translates;
-  }
-  return all;
 }
 
 /// Library items of one motion: the measured and the converted motion.

@@ -10,7 +10,7 @@ export function LogPanel(): ReactElement {
   }, [log]);
   if (log.length === 0) return <div className="panel empty">The log is empty. Errors and reports of the service appear here.</div>;
   return (
-    <div className="panel log" role="log" aria-label="Log">
+    <div className="panel log" role="log" aria-label="Log" tabIndex={0}>
       {log.map((line) => (
         <div key={line.id} className={`log-line ${line.level}`}>
           <time>{line.at.toLocaleTimeString([], { hour12: false })}</time>
