@@ -12,6 +12,8 @@ interface Shared {
   geometry: THREE.BufferGeometry;
   /** The pictures as soon as they are decoded; null: a damaged picture. */
   textures: Promise<THREE.Texture | null>[];
+  /** Those that are decoded. */
+  decoded: (THREE.Texture | null)[];
   /** Matrix of each bone: from the vertices to the frame of its link. */
   matrices: THREE.Matrix4[];
 }
@@ -43,9 +45,10 @@ function make_shared(skin: SkinData): Shared {
   if (mirrored) for (let i = 0; i < indices.length; i += 3) [indices[i], indices[i + 1]] = [indices[i + 1]!, indices[i]!];
   geometry.setIndex(new THREE.BufferAttribute(indices, 1));
   skin.parts.forEach((part, i) => geometry.addGroup(part.first, part.count, i));
-  const textures = skin.textures.map(load_texture);
+  const decoded: (THREE.Texture | null)[] = skin.textures.map(() => null);
+  const textures = skin.textures.map(async (texture, i) => (decoded[i] = await load_texture(texture)));
   for (const texture of textures) loading.add(texture);
-  return { geometry, textures, matrices };
+  return { geometry, textures, decoded, matrices };
 }
 type Twelve = [number, number, number, number, number, number, number, number, number, number, number, number];
 
@@ -82,10 +85,11 @@ export class SkinView {
       known = make_shared(skin);
       shared.set(skin, known);
     }
-    const { geometry, textures, matrices } = known;
+    const { geometry, textures, decoded, matrices } = known;
     const materials = skin.parts.map((part) => {
-      const material = new THREE.MeshStandardMaterial({ color: part.color, alphaTest: part.texture >= 0 ? part.cutoff : 0, side: part.both_sides ? THREE.DoubleSide : THREE.FrontSide, roughness: 0.75, metalness: 0 });
+      const material = new THREE.MeshStandardMaterial({ color: part.color, map: decoded[part.texture] ?? null, alphaTest: part.texture >= 0 ? part.cutoff : 0, side: part.both_sides ? THREE.DoubleSide : THREE.FrontSide, roughness: 0.75, metalness: 0 });
       void textures[part.texture]?.then((map) => {
+        if (material.map === map) return;
         material.map = map;
         material.needsUpdate = true;
         for (const changed of listeners) changed();

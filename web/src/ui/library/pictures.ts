@@ -2,6 +2,7 @@
 import { unpack_floats, type MotionPreview } from '../../core/library/imports';
 import type { LibraryEntry, MechanismData } from '../../core/protocol';
 import { picture_size, PreviewRenderer, type Poses } from '../../view/preview';
+import { textures_ready } from '../../view/skin_view';
 import { service_fetch } from '../app';
 
 export const character_color = '#d5d8df';
@@ -144,12 +145,12 @@ async function draw(entry: LibraryEntry): Promise<Blob | null> {
   canvas.height = picture_size.height;
   const context = canvas.getContext('2d', { willReadFrequently: true });
   if (!context) return null;
-  let seen: boolean;
-  if (entry.kind === 'motion') {
-    const { mechanism, poses } = await moving(entry.id);
-    seen = renderer.draw(mechanism, character_color, context, poses, 0.4);
-  } else {
-    seen = renderer.draw(await mechanism_data(entry.id), entry.mesh ? mesh_color : character_color, context, undefined, 0, entry.mesh?.colors);
+  const { mechanism, poses } = entry.kind === 'motion' ? await moving(entry.id) : { mechanism: await mechanism_data(entry.id), poses: undefined };
+  const draw_once = () => renderer.draw(mechanism, entry.mesh ? mesh_color : character_color, context, poses, poses ? 0.4 : 0, entry.mesh?.colors);
+  let seen = draw_once();
+  if (mechanism.skin) {
+    await textures_ready(); // the first drawing began to decode them
+    seen = draw_once();
   }
   return seen ? new Promise((resolve) => canvas.toBlob(resolve, 'image/webp', 0.86)) : null;
 }
