@@ -468,7 +468,7 @@ const first_journeys = [
   },
 ];
 
-/** The last journey of each worker. */
+/** Follows each group of journeys. */
 export const closing = {
   name: 'the page reported no errors during the journeys',
   async run({ seen }) {

@@ -1,7 +1,7 @@
 // npm run e2e [-- [--slow] words[|words]]: runs the journeys whose names contain the words (one of the groups of words); prints one line for each and
 // the counts. With --slow also those that take minutes.
 // The groups of journeys (journeys.mjs) are distributed among workers: processes of this program with the option --worker, each with a service and a
-// browser of its own.
+// browser of its own. Workers disturb each other; a group in which a journey fails is therefore run again at the end, by one worker alone.
 // A journey that fails runs a second time in the restored studio, because a busy machine can miss a time limit; its line names the first failure.
 // The viewport is drawn at a low resolution, because Chromium draws with the processor; with UGOKI_PICTURES=1 at full resolution, for people
 // who look at the pictures in out/.
@@ -90,12 +90,12 @@ async function attempt(journey, context, before) {
   }
 }
 
-/** Runs one journey and prints its line. */
+/** Runs one journey and adds its line to context.lines; the closing journey, which follows each group, adds one only if it fails. */
 async function run(journey, context) {
-  const { page, service } = context;
+  const { page, service, lines } = context; // lines: of the present group
   const skip = journey.skip || (await journey.unless?.({ page }));
   if (skip) {
-    console.log(`skip ${journey.name}: ${skip}`);
+    lines.push(`skip ${journey.name}: ${skip}`);
     skipped++;
     return;
   }
@@ -103,14 +103,15 @@ async function run(journey, context) {
   const began = Date.now();
   try {
     const first = await attempt(journey, context, before);
-    console.log(`ok ${journey.name} (${((Date.now() - began) / 1000).toFixed(1)} s)${first ? ` at the second attempt; the first: ${String(first.message ?? first).split('\n').filter((line, i, lines) => i === 0 || i === lines.length - 1).join(' ')}` : ''}`);
+    if (journey === closing) return;
+    lines.push(`ok ${journey.name} (${((Date.now() - began) / 1000).toFixed(1)} s)${first ? ` at the second attempt; the first: ${String(first.message ?? first).split('\n').filter((line, i, lines) => i === 0 || i === lines.length - 1).join(' ')}` : ''}`);
     passed++;
   } catch (error) {
-    console.log(`not ok ${journey.name}\n  ${indented(error)}`);
+    lines.push(`not ok ${journey.name}\n  ${indented(error)}`);
     failed++;
     context.failed = true;
     if (journey === opening || service.ended()) throw error;
-    if (before) await recover(page, before, service.folder).catch((e) => console.log(`  the studio was not restored: ${e.message}`));
+    if (before) await recover(page, before, service.folder).catch((e) => lines.push(`  the studio was not restored: ${e.message}`));
   }
 }
 
@@ -122,82 +123,113 @@ async function show_viewport(page) {
   await ready(page);
 }
 
-/** The journeys of the next group, from the first process, or undefined. */
+/** Index of the next group, from the first process; -1: no group is left. */
 const next_group = () => new Promise((resolve) => {
-  process.once('message', ({ group }) => resolve(chosen_groups[group]));
+  process.once('message', ({ group }) => resolve(group));
   process.send({ ask: true });
 });
 
-/** Runs groups of journeys until no group is left. */
+/** In a worker: runs groups of journeys until no group is left, and sends the result of each to the first process. */
 async function work() {
   const service = await start_service();
   const browser = await launch();
+  let at = -1;
+  const context = { service, seen: { requests: [], errors: [] }, memory: {}, lines: [] };
+  const send = () => {
+    if (failed > 0) context.lines.push(`  output of the service: ${service.output().slice(-1500)}`);
+    process.send({ group: at, lines: context.lines, passed, failed, skipped });
+    context.lines = [];
+    passed = failed = skipped = 0;
+  };
   try {
     const page = await browser.newPage({ viewport: { width: 1440, height: 900 } });
+    context.page = page;
     await page.addInitScript((draft) => {
       // pages without an address of their own have no storage
       if (!location.protocol.startsWith('http')) return;
       localStorage.setItem('ugoki.tour', 'done');
       if (draft) localStorage.setItem('ugoki.draft', 'on');
     }, process.env.UGOKI_PICTURES !== '1');
-    const seen = { requests: [], errors: [] };
+    const { seen } = context;
     page.on('request', (r) => seen.requests.push(r.url()));
     page.on('pageerror', (e) => seen.errors.push(e.message));
     page.on('console', (m) => {
       // a refused import is answered with status 4xx, which the browser logs as an error
       if (m.type() === 'error' && !/status of 4\d\d/.test(m.text())) seen.errors.push(m.text());
     });
-    const context = { page, service, seen, memory: {}, failed: false };
     await run(opening, context);
-    for (let group = await next_group(); group; group = await next_group()) {
-      for (const journey of group) await run(journey, context);
+    send();
+    for (at = await next_group(); at >= 0; at = await next_group()) {
+      for (const journey of chosen_groups[at]) await run(journey, context);
+      await run(closing, context);
+      seen.errors.length = 0;
       await show_viewport(page);
+      send();
     }
-    await run(closing, context);
-    if (context.failed) console.log(`  output of the service: ${service.output().slice(-1500)}`);
+  } catch (error) {
+    if (failed === 0) context.lines.push(`not ok the studio runs\n  ${indented(error)}`);
+    failed = Math.max(1, failed);
+    send();
   } finally {
     await browser.close();
     await service.stop();
   }
 }
 
-/** Runs all chosen journeys in worker processes, and adds up their counts. */
+/** Prints the lines of a result of a worker, and adds its counts. */
+function count(result) {
+  for (const line of result.lines) console.log(line);
+  passed += result.passed;
+  failed += result.failed;
+  skipped += result.skipped;
+}
+
+/** Starts a worker that takes groups from the end of `queue`. @param result called with the result of each group; group -1: of the opening */
+const start_worker = (queue, result) => new Promise((resolve) => {
+  const child = fork(fileURLToPath(import.meta.url), [...process.argv.slice(2), '--worker']);
+  let current = -1;
+  child.on('message', (message) => {
+    if (message.ask) child.send({ group: (current = queue.pop() ?? -1) });
+    else {
+      current = -1;
+      result(message);
+    }
+  });
+  child.on('exit', (code, signal) => {
+    if (code !== 0 || current >= 0) result({ group: current, lines: [`not ok a worker of the journeys ended with ${signal ?? code}`], passed: 0, failed: 1, skipped: 0 });
+    resolve();
+  });
+});
+
+/** Runs all chosen journeys in workers, and groups in which one failed again by one worker alone. */
 async function distribute() {
   if (!available) {
     for (const journey of chosen_groups.flat()) console.log(`skip ${journey.name}: there is no program at ${program}; build it, or set UGOKI_BIN to its path`);
     skipped = chosen_groups.flat().length;
     return;
   }
-  let next = 0;
-  const worker = () => new Promise((resolve) => {
-    const child = fork(fileURLToPath(import.meta.url), [...process.argv.slice(2), '--worker']);
-    let counts;
-    child.on('message', (message) => {
-      if (message.ask) child.send({ group: next < chosen_groups.length ? next++ : -1 });
-      else counts = message;
-    });
-    child.on('exit', (code, signal) => {
-      if (!counts) console.log(`not ok a worker of the journeys ended with ${signal ?? code}`);
-      passed += counts?.passed ?? 0;
-      failed += counts?.failed ?? 1;
-      skipped += counts?.skipped ?? 0;
-      resolve();
-    });
-  });
-  const workers = Math.max(1, Math.min(max_workers, availableParallelism(), chosen_groups.length));
-  await Promise.all(Array.from({ length: workers }, worker));
-  if (next < chosen_groups.length) {
-    console.log(`not ok ${chosen_groups.length - next} groups of journeys were not run`);
+  const workers = Math.min(max_workers, availableParallelism(), chosen_groups.length);
+  const queue = chosen_groups.map((_, i) => i).reverse();
+  const again = [];
+  if (workers > 1) {
+    const result = (message) => {
+      if (message.failed === 0) return count(message);
+      for (const line of message.lines) console.log(line.replace(/^(not )?ok /, 'again '));
+      if (message.group >= 0) again.push(message.group);
+    };
+    await Promise.all(Array.from({ length: workers }, () => start_worker(queue, result)));
+  }
+  queue.push(...again);
+  if (queue.length > 0) await start_worker(queue, count);
+  for (const group of queue) {
+    console.log(`not ok ${chosen_groups[group][0].name}: it was not run`);
     failed++;
   }
 }
 
 if (process.argv.includes('--worker')) {
-  await work().catch((error) => {
-    console.log(`not ok the studio runs\n  ${indented(error)}`);
-    failed++;
-  });
-  process.send({ passed, failed, skipped }, () => process.exit(0));
+  await work();
+  process.exit(0);
 } else {
   await distribute();
   console.log(`${passed} passed, ${failed} failed${skipped ? `, ${skipped} skipped` : ''}`);
