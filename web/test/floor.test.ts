@@ -1,6 +1,7 @@
 import * as THREE from 'three';
 import { describe, expect, it } from 'vitest';
-import { shadow_rectangle, sphere_of } from '../src/view/floor';
+import { Floor, shadow_rectangle, sphere_of } from '../src/view/floor';
+import { FloorLines, line_count } from '../src/view/floor_lines';
 
 describe('shadow_rectangle', () => {
   it('contains the shadows of all bodies and little more', () => {
@@ -27,5 +28,30 @@ describe('shadow_rectangle', () => {
     // 0.01 m is the given softness; 0.4 m: bounding spheres are larger than bodies
     for (const margin of margins) expect(margin).toBeGreaterThan(0.01);
     for (const margin of margins) expect(margin).toBeLessThan(0.4);
+  });
+});
+
+describe('FloorLines', () => {
+  const strips = (lines: FloorLines): number => lines.mesh.geometry.instanceCount;
+
+  it('draws all lines of the visible part of the floor, and not more than can be distinguished', () => {
+    expect(line_count(14)).toBe(9); // visible up to 8.4 m
+    expect(line_count(1e6)).toBe(1000);
+    const lines = new FloorLines({});
+    lines.set_reach(14);
+    expect(strips(lines)).toBe(2 * 19);
+  });
+
+  it('are shown with the pattern grid only, and not while the floor is drawn into the depth buffer', () => {
+    const floor = new Floor();
+    const lines = floor.object.children.find((mesh) => (mesh as THREE.Mesh).geometry instanceof THREE.InstancedBufferGeometry)!;
+    const color = new THREE.Color();
+    for (const [pattern, shown] of [['grid', true], ['boards', false], ['unknown', true]] as const) {
+      floor.set_colors(color, color, color, 0.3, pattern);
+      floor.set_depth_only(true);
+      expect(lines.visible).toBe(false);
+      floor.set_depth_only(false);
+      expect(lines.visible).toBe(shown);
+    }
   });
 });

@@ -1,5 +1,6 @@
 /** The floor: a metre grid that fades into the background with the distance from the camera's target. */
 import * as THREE from 'three';
+import { FloorLines } from './floor_lines';
 
 // The floor is flat and its lights are directional, so that its lighting without shadow is the same everywhere. The vertex shader therefore
 // computes the displayed (sRGB) colours with and without shadow, and the fragment shader mixes displayed colours: three powers a pixel less.
@@ -35,9 +36,9 @@ const fragment_shader = `
 #include <shadowmap_pars_fragment>
 varying vec2 v_world;
 flat varying vec3 v_lit, v_shaded;
-uniform vec3 u_background, u_line;
+uniform vec3 u_background;
 uniform vec2 u_focus;
-uniform float u_reach, u_strength;
+uniform float u_reach;
 
 // Random number of a cell, 0 ... 1.
 float random_of(vec2 cell) { return fract(sin(dot(cell, vec2(12.9898, 78.233))) * 43758.5453); }
@@ -61,15 +62,6 @@ float checker(vec2 p, vec2 w) {
   return 0.5 - 0.5 * sum.x * sum.y;
 }
 
-// Part of a pixel that lines with a distance of 1 / 'per_m' cover.
-float grid_line(vec2 p, vec2 p_width, float per_m, float pixels) {
-  vec2 w = p_width * per_m;
-  vec2 d = abs(fract(p * per_m - 0.5) - 0.5) / max(w, vec2(1e-6));
-  vec2 l = 1.0 - smoothstep(pixels - 0.5, pixels + 0.5, d);
-  // fade out lines that are only a few pixels apart, because they flicker
-  l *= 1.0 - smoothstep(0.12, 0.35, w);
-  return max(l.x, l.y);
-}
 #if defined(PATCH) && defined(USE_SHADOWMAP) && NUM_DIR_LIGHT_SHADOWS > 0
 #define SHADOW
 // As getShadow() of three.js, which the characters use, but with two trigonometric functions instead of ten.
@@ -86,7 +78,6 @@ float soft_shadow(vec3 at) {
 #endif
 void main() {
   vec2 p = v_world;
-  vec2 w = fwidth(p);
   float away = length(p - u_focus);
   float shadow = 1.0;
   #ifdef SHADOW
@@ -95,17 +86,10 @@ void main() {
   #endif
   vec3 color = mix(v_shaded, v_lit, shadow);
   // PATTERN is the index into ground_patterns. Without a graphics processor, all branches of an 'if' would be computed for every pixel.
-  #if PATTERN == 0
-    float near_fade = 1.0 - smoothstep(0.15 * u_reach, 0.6 * u_reach, away);
-    float lines = 0.6 * grid_line(p, w, 1.0, 0.55) + 0.4 * grid_line(p, w, 0.2, 0.75);
-    color = mix(color, u_line, clamp(lines, 0.0, 1.0) * u_strength * near_fade);
-    vec2 axes = 1.0 - smoothstep(0.4, 1.4, abs(p) / max(w, vec2(1e-6)));
-    color = mix(color, vec3(0.75, 0.4, 0.4), axes.y * 2.0 * u_strength * near_fade);
-    color = mix(color, vec3(0.4, 0.62, 0.42), axes.x * 2.0 * u_strength * near_fade);
-  #elif PATTERN == 2
-    color *= 1.0 - 0.14 * checker(p, w);
+  #if PATTERN == 2
+    color *= 1.0 - 0.14 * checker(p, fwidth(p));
   #elif PATTERN == 3
-    color *= pow(boards(p, w), 0.42); // a factor on light as a factor on displayed colours
+    color *= pow(boards(p, fwidth(p)), 0.42); // a factor on light as a factor on displayed colours
   #endif
   gl_FragColor = vec4(mix(color, u_background, smoothstep(0.12 * u_reach, u_reach, away)), 1.0);
 }`;
@@ -166,7 +150,10 @@ export class Floor {
   };
   private readonly disc: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>;
   private readonly patches: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>;
+  private has_lines = true;
   private readonly corners = new THREE.BufferAttribute(new Float32Array(18 * max_patches), 3).setUsage(THREE.DynamicDrawUsage);
+
+  private readonly lines = new FloorLines(this.uniforms);
 
   constructor() {
     const material = (more: THREE.ShaderMaterialParameters): THREE.ShaderMaterial =>
@@ -180,6 +167,7 @@ export class Floor {
       mesh.renderOrder = 1 + order;
       this.object.add(mesh);
     }
+    this.object.add(this.lines.mesh);
     this.object.name = 'floor';
   }
 
@@ -216,8 +204,10 @@ export class Floor {
 
   /** @param strength opacity of the grid lines, 0 ... 1 */
   set_colors(floor: THREE.Color, line: THREE.Color, background: THREE.Color, strength: number, pattern: string): void {
+    const index = Math.max(0, ground_patterns.indexOf(pattern));
+    this.lines.mesh.visible = this.has_lines = index === 0;
     for (const mesh of [this.patches, this.disc]) {
-      mesh.material.defines.PATTERN = Math.max(0, ground_patterns.indexOf(pattern));
+      mesh.material.defines.PATTERN = index;
       mesh.material.needsUpdate = true;
     }
     this.uniforms.u_floor.value.copy(floor);
@@ -232,12 +222,14 @@ export class Floor {
       mesh.material.colorWrite = !on;
       mesh.renderOrder = order + (on ? -2 : 1);
     }
+    this.lines.mesh.visible = this.has_lines && !on;
   }
 
   /** Centres the visible floor. @param x, y m  @param reach radius beyond which only the background is visible, m */
   set_focus(x: number, y: number, reach: number): void {
     this.uniforms.u_focus.value.set(x, y);
     this.uniforms.u_reach.value = reach;
+    this.lines.set_reach(reach);
     this.disc.position.set(x, y, 0);
     this.disc.scale.set(reach, reach, 1);
   }
