@@ -13,7 +13,7 @@ namespace {
 
 void fuzz_scene(const std::uint8_t* data, std::size_t size, std::string_view name) {
   formats::ReadNotes notes;
-  const auto motions = scene_formats::read_scene_unguarded({reinterpret_cast<const std::byte*>(data), size}, name, {}, notes);
+  const auto motions = scene_formats::read_scene_unguarded({reinterpret_cast<const std::byte*>(data), size}, name, {.mesh_ends = size % 2 == 1}, notes);
   if (!motions) {
     UGOKI_CHECK(!motions.error().problems.empty());
     for (const Problem& p : motions.error().problems) UGOKI_CHECK(!p.location.empty() && p.message.ends_with('.') && !p.remedy.empty());

@@ -18,6 +18,7 @@ void fuzz_mjcf(const std::uint8_t* data, std::size_t size);
 void fuzz_c3d(const std::uint8_t* data, std::size_t size);
 void fuzz_trc(const std::uint8_t* data, std::size_t size);
 void fuzz_gltf(const std::uint8_t* data, std::size_t size);
+void fuzz_gltf_skin(const std::uint8_t* data, std::size_t size);
 void fuzz_fmu_description(const std::uint8_t* data, std::size_t size);
 void fuzz_fmu(const std::uint8_t* data, std::size_t size);
 void fuzz_csv(const std::uint8_t* data, std::size_t size);

@@ -41,6 +41,7 @@ TEST(FuzzSeeds, Mjcf) { run("mjcf", fuzz_mjcf); }
 TEST(FuzzSeeds, C3d) { run("c3d", fuzz_c3d); }
 TEST(FuzzSeeds, Trc) { run("trc", fuzz_trc); }
 TEST(FuzzSeeds, Gltf) { run("gltf", fuzz_gltf); }
+TEST(FuzzSeeds, GltfSkin) { run("gltf_skin", fuzz_gltf_skin); }
 TEST(FuzzSeeds, FmuDescription) { run("fmu_description", fuzz_fmu_description); }
 TEST(FuzzSeeds, Fmu) { run("fmu", fuzz_fmu); }
 TEST(FuzzSeeds, Csv) { run("csv", fuzz_csv); }
