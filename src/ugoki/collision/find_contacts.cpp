@@ -4,6 +4,7 @@
 
 #include "ugoki/base/check.h"
 #include "ugoki/collision/broad_phase.h"
+#include "ugoki/collision/near_self_pairs.h"
 #include "ugoki/collision/scene.h"
 
 namespace ugoki::collision {
@@ -19,6 +20,7 @@ void reset_if_other_scene(const Scene& scene, Workspace& work) {
   if (work.content == scene.content()) return;
   work.content = scene.content();
   work.pairs.clear();
+  work.near_self.assign(scene.systems().size(), {});
   work.lowest.assign(scene.shapes().size(), 0);
 }
 
@@ -62,6 +64,22 @@ struct Search {
     return X_WB[static_cast<std::size_t>(s.system)][static_cast<std::size_t>(s.link)];
   }
 
+  /// First shape of a system, and the one behind its last.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> shapes_of(std::size_t system) const {
+    return {static_cast<std::size_t>(scene.first_shape(static_cast<int>(system))),
+            static_cast<std::size_t>(scene.first_shape(static_cast<int>(system) + 1))};
+  }
+
+  /// Pose of shape i in the world. Most shapes are near no other one, and need no pose.
+  const Pose& shape_pose(std::size_t i) {
+    if (work.posed[i] != work.call) {
+      const SceneShape& s = scene.shapes()[i];
+      work.poses[i] = link_pose(s) * s.shape.X_BS;
+      work.posed[i] = work.call;
+    }
+    return work.poses[i];
+  }
+
   /// Appends the points of `manifold` to `out`.
   /// @param b null: the ground
   void add(const SceneShape& a, std::uint64_t index_a, const SceneShape* b, std::uint64_t index_b, double friction, double restitution) {
@@ -86,16 +104,20 @@ struct Search {
   /// Contacts of all shapes with the ground.
   void ground() {
     const double height = scene.ground().height, limit = height + margin;
-    const std::span<const SceneShape> shapes = scene.shapes();
-    for (std::size_t i = 0; i < shapes.size(); ++i) {
-      const SceneShape& s = shapes[i];
-      const Pose& X = link_pose(s);
-      const Vec3 up = heights(X.R);
-      const double origin = dot(up, s.shape.X_BS.p) + X.p.z;
-      if (!(origin - s.reach < limit) || !s.movable || is_still(s.system)) continue;
-      if (!(lowest_height(s, origin, up) < limit)) continue;
-      find_ground_manifold(s, X * s.shape.X_BS, height, margin, work.lowest[i], work.manifold, manifold);
-      add(s, i, nullptr, ground_index, s.ground_friction, s.ground_restitution);
+    for (std::size_t system = 0; system < X_WB.size(); ++system) {
+      if (is_still(static_cast<int>(system))) continue;
+      const auto [first, end] = shapes_of(system);
+      for (std::size_t i = first; i < end; ++i) {
+        const ShapeOutline& o = scene.outlines()[i];
+        const Pose& X = X_WB[system][static_cast<std::size_t>(o.link)];
+        const Vec3 up = heights(X.R);
+        const double origin = dot(up, o.origin) + X.p.z;
+        if (!(origin - o.reach < limit) || !o.movable) continue;
+        const SceneShape& s = scene.shapes()[i];
+        if (!(lowest_height(s, origin, up) < limit)) continue;
+        find_ground_manifold(s, X * s.shape.X_BS, height, margin, work.lowest[i], work.manifold, manifold);
+        add(s, i, nullptr, ground_index, s.ground_friction, s.ground_restitution);
+      }
     }
   }
 
@@ -112,25 +134,24 @@ struct Search {
     const SceneShape &a = scene.shapes()[i], &b = scene.shapes()[j];
     if (!can_collide(a.shape, b.shape)) return;
     if (is_simple(a.shape.type) && is_simple(b.shape.type)) {
-      find_manifold(a.shape, work.poses[i], b.shape, work.poses[j], margin, manifold);
+      find_manifold(a.shape, shape_pose(i), b.shape, shape_pose(j), margin, manifold);
     } else {
       GilbertCache& cache = work.pairs.at(make_key(i, j, 1));
-      find_manifold(a, work.poses[i], b, work.poses[j], margin, cache, work.manifold, manifold);
+      find_manifold(a, shape_pose(i), b, shape_pose(j), margin, cache, work.manifold, manifold);
     }
     if (manifold.count == 0) return;
     add(a, i, &b, j, pair_friction(a.shape, b.shape), std::max(a.shape.restitution, b.shape.restitution));
   }
 
-  /// Computes the poses and bounding spheres of all shapes, and the extents of all systems.
+  /// Computes the bounding spheres of all shapes and the extents of all systems.
   void bounds() {
-    const std::span<const SceneShape> shapes = scene.shapes();
     for (std::size_t s = 0; s < X_WB.size(); ++s) {
       Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-      const auto end = static_cast<std::size_t>(scene.first_shape(static_cast<int>(s) + 1));
-      for (auto i = static_cast<std::size_t>(scene.first_shape(static_cast<int>(s))); i < end; ++i) {
-        work.poses[i] = link_pose(shapes[i]) * shapes[i].shape.X_BS;
-        const Vec3 c = work.poses[i] * shapes[i].centre;
-        const double r = shapes[i].bound;
+      const auto [first, end] = shapes_of(s);
+      for (std::size_t i = first; i < end; ++i) {
+        const ShapeOutline& o = scene.outlines()[i];
+        const Vec3 c = X_WB[s][static_cast<std::size_t>(o.link)] * o.centre;
+        const double r = o.bound;
         work.balls[i] = {c, r};
         low = {std::min(low.x, c.x - r), std::min(low.y, c.y - r), std::min(low.z, c.z - r)};
         high = {std::max(high.x, c.x + r), std::max(high.y, c.y + r), std::max(high.z, c.z + r)};
@@ -141,18 +162,12 @@ struct Search {
 
   /// Contacts between the shapes of one system.
   void within(int system) {
-    // In chunks: the few pairs with close bounding spheres are first collected without a branch per pair, then tested exactly.
-    constexpr std::size_t chunk = 64;
-    const std::span<const ShapePair> pairs = scene.self_pairs(system);
-    for (std::size_t begin = 0; begin < pairs.size(); begin += chunk) {
-      ShapePair hits[chunk];
-      std::size_t count = 0;
-      for (const ShapePair& p : pairs.subspan(begin, std::min(chunk, pairs.size() - begin))) {
-        hits[count] = p;
-        count += bounds_near(static_cast<std::size_t>(p.a), static_cast<std::size_t>(p.b)) ? 1 : 0;
-      }
-      for (std::size_t i = 0; i < count; ++i) pair(static_cast<std::size_t>(hits[i].a), static_cast<std::size_t>(hits[i].b));
-    }
+    const auto s = static_cast<std::size_t>(system);
+    const auto [first, end] = shapes_of(s);
+    const std::span<const Workspace::Ball> balls(work.balls);
+    for (const ShapePair& p :
+         near_self_pairs(scene.self_pairs(system), balls.subspan(first, end - first), first, margin, work.near_self[s]))
+      if (const auto a = static_cast<std::size_t>(p.a), b = static_cast<std::size_t>(p.b); bounds_near(a, b)) pair(a, b);
   }
 
   [[nodiscard]] bool near(const Workspace::Extent& a, const Workspace::Extent& b) const {
@@ -172,10 +187,10 @@ struct Search {
     for (int i = scene.first_shape(system_a); i < scene.first_shape(system_a + 1); ++i) {
       const auto a = static_cast<std::size_t>(i);
       if (!near(a, system_b)) continue;
-      const bool a_moves = scene.shapes()[a].movable;
+      const bool a_moves = scene.outlines()[a].movable;
       for (int j = scene.first_shape(system_b); j < scene.first_shape(system_b + 1); ++j) {
         const auto b = static_cast<std::size_t>(j);
-        if (bounds_near(a, b) && (a_moves || scene.shapes()[b].movable)) pair(a, b);
+        if (bounds_near(a, b) && (a_moves || scene.outlines()[b].movable)) pair(a, b);
       }
     }
   }
@@ -246,9 +261,12 @@ void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_
   if (work.balls.size() < scene.shapes().size()) {
     work.balls.resize(scene.shapes().size());
     work.poses.resize(scene.shapes().size());
+    work.posed.resize(scene.shapes().size());
   }
+  ++work.call;
   reset_if_other_scene(scene, work);
   if (work.extents.size() < X_WB.size()) work.extents.resize(X_WB.size());
+  if (work.near_self.size() < X_WB.size()) work.near_self.resize(X_WB.size());
   out.clear();
   // Memory for 12 points per shape: the 8 corners of a box on the ground, and four points with other shapes. More contacts make `out` grow.
   if (out.capacity() < 12 * scene.shapes().size()) out.reserve(12 * scene.shapes().size());

@@ -103,12 +103,15 @@ Scene::Scene(std::vector<MechanismPtr> systems, const Ground& ground, const Scen
   if (std::ranges::any_of(shapes_, [](const SceneShape& s) { return !s.convex; }))
     for (SceneShape& s : shapes_)
       if (s.convex) s.core = make_core(s);
+  for (const SceneShape& s : shapes_) outlines_.push_back({s.shape.X_BS * s.centre, s.bound, s.shape.X_BS.p, s.reach, s.link, s.movable});
   Hash64 content;
   for (const SceneShape& s : shapes_) {
     content.add((static_cast<std::uint64_t>(s.system) << 8) | static_cast<std::uint64_t>(s.shape.type));
     content.add(s.movable ? s.bound : -s.bound);
     content.add(s.support.hull != nullptr ? s.support.hull->hash : 0);
   }
+  for (const std::vector<ShapePair>& pairs : self_pairs_)
+    for (const ShapePair& p : pairs) content.add((static_cast<std::uint64_t>(p.a) << 32) | static_cast<std::uint64_t>(p.b));
   content_ = content.value();
 }
 
@@ -121,6 +124,6 @@ Workspace::Workspace() = default;
 Workspace::Workspace(Workspace&&) noexcept = default;
 Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 Workspace::~Workspace() = default;
-Workspace::Workspace(const Scene& scene) : balls(scene.shapes().size()), poses(balls.size()), extents(scene.systems().size()) {}
+Workspace::Workspace(const Scene& scene) : balls(scene.shapes().size()), poses(balls.size()), posed(balls.size()), extents(scene.systems().size()) {}
 
 }  // namespace ugoki::collision

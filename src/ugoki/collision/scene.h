@@ -28,6 +28,17 @@ struct SceneShape : Collider {
   double ground_friction = 0, ground_restitution = 0;  ///< combined coefficients of this shape and the ground
 };
 
+/// What the first tests of a shape need. A scene has these data in an array of their own, because a SceneShape occupies five times as much
+/// of the processor's cache.
+struct ShapeOutline {
+  Vec3 centre;   ///< m, link's frame: centre of the bounding sphere
+  double bound;  ///< m: radius of the bounding sphere
+  Vec3 origin;   ///< m, link's frame: origin of the shape's frame
+  double reach;  ///< m: Collider::reach
+  std::int32_t link;
+  bool movable;  ///< SceneShape::movable
+};
+
 /// Two shapes, indices into Scene::shapes().
 struct ShapePair {
   std::int32_t a, b;
@@ -51,6 +62,8 @@ class Scene {
   [[nodiscard]] const Ground& ground() const { return ground_; }
   [[nodiscard]] const SceneOptions& options() const { return options_; }
   [[nodiscard]] std::span<const SceneShape> shapes() const { return shapes_; }
+  /// [shapes] outlines of shapes(), in the same order.
+  [[nodiscard]] std::span<const ShapeOutline> outlines() const { return outlines_; }
   /// The shapes of system s are shapes()[first_shape(s)] ... shapes()[first_shape(s + 1) - 1].
   [[nodiscard]] int first_shape(int system) const { return first_shape_[static_cast<std::size_t>(system)]; }
   /// The pairs inside a system that can collide while its self-collision is on.
@@ -58,7 +71,7 @@ class Scene {
   [[nodiscard]] bool self_collision(int system) const { return self_on_[static_cast<std::size_t>(system)] != 0; }
   /// Switches collisions between the links of one system on or off.
   void set_self_collision(int system, bool on) { self_on_[static_cast<std::size_t>(system)] = on ? 1 : 0; }
-  /// Hash of the shapes. The warm starts in a Workspace are valid for every scene with the same hash.
+  /// Hash of the shapes and the self-pairs. The warm starts and near pairs in a Workspace are valid for every scene with the same hash.
   [[nodiscard]] std::uint64_t content() const { return content_; }
 
  private:
@@ -66,6 +79,7 @@ class Scene {
   Ground ground_;
   SceneOptions options_;
   std::vector<SceneShape> shapes_;
+  std::vector<ShapeOutline> outlines_;              // [shapes]
   std::vector<int> first_shape_;                    // [systems + 1] see first_shape()
   std::vector<std::vector<ShapePair>> self_pairs_;  // [systems] see self_pairs()
   std::vector<std::uint8_t> self_on_;               // [systems] 1: self-collision is on
@@ -86,8 +100,17 @@ struct Workspace {
   struct Extent {
     Vec3 low, high;  ///< m, world
   };
+  /// The self-pairs of one system whose bounding spheres were near at the centres `at`; see near_self_pairs.h.
+  struct NearPairs {
+    std::vector<Vec3> at;  ///< [shapes of the system] m, world; empty: no pairs known
+    std::vector<ShapePair> pairs;
+    double margin = 0;  ///< m: margin for which the pairs hold
+  };
   std::vector<Ball> balls;           ///< [shapes] bounding spheres
-  std::vector<Pose> poses;           ///< [shapes] X_WS
+  std::vector<Pose> poses;           ///< [shapes] X_WS, where posed[shape] == call
+  std::vector<std::uint64_t> posed;  ///< [shapes] call of find_contacts() that computed poses[shape]
+  std::uint64_t call = 0;            ///< number of the present call of find_contacts()
+  std::vector<NearPairs> near_self;  ///< [systems]
   std::vector<Extent> extents;       ///< [systems] boxes that contain all bounding spheres of a system
   std::vector<ShapePair> near;       ///< candidate pairs from the broad phase
   PairTable pairs;                   ///< warm start of each pair of convex shapes
