@@ -210,20 +210,20 @@ double GuardedStep::find_passage(std::span<const StepSystem> systems, double dt)
   // A link can pass only if it moves by more than its half thickness. The motion is estimated from the velocities of the links at the
   // beginning, plus a quarter for links that accelerate within the step.
   bool far = false;
-  std::size_t at = 0;
   for (std::size_t s = 0; s < systems.size(); ++s) {
     const Mechanism& m = stepper_->mechanism(static_cast<int>(s));
     const dynamics::Workspace& ws = stepper_->workspace(static_cast<int>(s));
     const std::span<const double> v = systems[s].v;
     motions_[s] = {attempt_begin_.q[s], v};
-    for (int i = 0; i < m.link_count(); ++i, ++at) {
+    std::size_t at = first_link_[s];
+    for (int i = 0; i < m.link_count() && !far; ++i, ++at) {
       const Link& link = m.link(i);
       Vec6& V = speeds_[static_cast<std::size_t>(i)];
       V = link.parent >= 0 ? speeds_[static_cast<std::size_t>(link.parent)] : Vec6{};
       for (int k = link.v_index; k < link.v_index + link.joint.nv(); ++k)
         V += ws.S[static_cast<std::size_t>(k)] * v[static_cast<std::size_t>(k)];
       const Vec3 origin = V.v + cross(V.w, ws.X_WB[static_cast<std::size_t>(i)].p - ws.p0);
-      far = far || 1.25 * dt * (norm(origin) + norm(V.w) * size_[at]) > half_thickness_[at];
+      far = 1.25 * dt * (norm(origin) + norm(V.w) * size_[at]) > half_thickness_[at];
     }
   }
   return far ? search_.find_passage(motions_, dt).time : dt;

@@ -56,17 +56,36 @@ void make_matrix(const MatrixArguments& m) {
 void eliminate(double* A, int n, int width, double* inverse) {
   constexpr double dependent = 1e-13;  // fraction of a diagonal entry that is rounding
   for (int i = 0; i < n; ++i) inverse[i] = A[i * width + i];
-  for (int k = 0; k < n; ++k) {
+  const auto find_pivot = [&](int k) {
+    const double entry = A[k * width + k];
+    inverse[k] = entry > dependent * inverse[k] ? 1 / entry : 0;
+  };
+  // Subtracts factor * row k from row i.
+  const auto subtract = [&](int k, int i, double factor) {
+    if (factor == 0) return;
     const double* const row = A + k * width;
-    const double pivot = row[k] > dependent * inverse[k] ? 1 / row[k] : 0;
-    inverse[k] = pivot;
-    for (int i = k + 1; i < n; ++i) {
-      const double factor = row[i] * pivot;
-      if (factor == 0) continue;
+    double* const other = A + i * width;
+    for (int j = i; j < width; ++j) other[j] -= factor * row[j];
+  };
+  // Two rows at once: each entry below them is read and written once for both.
+  int k = 0;
+  for (; k + 1 < n; k += 2) {
+    const double *const first = A + k * width, *const second = first + width;
+    find_pivot(k);
+    subtract(k, k + 1, first[k + 1] * inverse[k]);
+    find_pivot(k + 1);
+    for (int i = k + 2; i < n; ++i) {
+      const double a = first[i] * inverse[k], b = second[i] * inverse[k + 1];
+      if (a == 0 || b == 0) {
+        subtract(k, i, a);
+        subtract(k + 1, i, b);
+        continue;
+      }
       double* const other = A + i * width;
-      for (int j = i; j < width; ++j) other[j] -= factor * row[j];
+      for (int j = i; j < width; ++j) other[j] = (other[j] - a * first[j]) - b * second[j];
     }
   }
+  if (k < n) find_pivot(k);
 }
 
 void add_product(const double* B, int stride, int n, const double* p, double* u) {

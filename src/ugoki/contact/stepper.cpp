@@ -82,14 +82,15 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
     x.free_motion.resize(n);
     for (int i = 0; i < m.link_count(); ++i) {
       const Joint& joint = m.link(i).joint;
-      bool limited = false;
+      bool limited = false, sprung = false;
       for (int k = 0; k < joint.nv(); ++k) {
         const Dof& f = joint.dofs[static_cast<std::size_t>(k)];
         if (joint.type != JointType::floating) limited = limited || std::isfinite(f.lower) || std::isfinite(f.upper);
-        x.springs = x.springs || f.stiffness > 0;
+        sprung = sprung || f.stiffness > 0;
         if (f.friction > 0) x.dry_friction_dofs.push_back(m.link(i).v_index + k);
       }
       if (limited) x.limited_links.push_back(i);
+      if (limited || sprung) x.displaced_links.push_back(i);
     }
     x.free_body = m.link_count() == 1 && m.link(0).joint.type == JointType::floating;
     if (!x.free_body && n > 1) x.inertial = std::make_unique<InertialMotion>(m);

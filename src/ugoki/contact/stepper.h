@@ -216,8 +216,9 @@ class Stepper {
     std::vector<double> zeros;                 // [nv]
     std::vector<Vec6> free_motion;             // [nv] velocity without impulses of the link that each DOF moves, about p0
     bool has_free_motion = false;              // free_motion is computed
-    std::vector<double> displacement;          // [nv] m | rad: joint displacements from the neutral position
+    std::vector<double> displacement;          // [nv] m | rad: displacements of the joints of displaced_links from the neutral position
     std::vector<int> limited_links;            // links whose joint has a limited DOF
+    std::vector<int> displaced_links;          // links whose joint has a limited DOF or a spring
     std::vector<int> dry_friction_dofs;        // DOFs with dry friction
     std::vector<char> contiguous_chain;        // [nv] 1: the chain of this DOF is 0, 1, 2 ...
     int singular_dof = -1;                     // result of prepare(): DOF whose pivot is not positive; -1: none
@@ -226,7 +227,6 @@ class Stepper {
     bool deep = false;                         // true: a contact of this step overlaps by more than StepperOptions::deep_overlap
     double rolling_radius = 0;                 // m: radius of a free round body; 0 for all other systems
     bool free_body = false;                    // true: the system is one floating link
-    bool springs = false;                      // true: at least one joint has a spring
     bool is_inertial = false;                  // true: this step ends with `inertial`, which adds the velocity-dependent forces
     std::unique_ptr<InertialMotion> inertial;  // null: a single link or DOF
     bool gripped = false;                      // true: a grip acts on the system; it then moves without `inertial`
@@ -245,7 +245,7 @@ class Stepper {
       std::vector<double> w;        // [nv] whitened velocity
       std::vector<double> parts;    // [4 * rows] components of up to three rows along the basis
       int rank = 0;
-      bool has_basis = false;       // basis, rank and target are those of the present position
+      bool has_basis = false;  // basis, rank and target are those of the present position
     };
     std::unique_ptr<Loops> loops;      // null: the mechanism has no closed loop
     std::unique_ptr<TreeIsland> tree;  // null: the system is small, or TreeIsland cannot treat its joints

@@ -64,8 +64,10 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt) {
   if (x.singular_dof < 0 && x.by_tree) x.singular_dof = x.tree->begin(m, ws, system.q, x.v, x.factor, x.extra, options_.recovery_speed, dt);
   if (x.singular_dof >= 0) return;
   x.has_free_motion = false;
-  if (x.springs || !x.limited_links.empty())
-    for (const Link& link : m.links()) joint_displacement(link.joint, system.q.data() + link.q_index, x.displacement.data() + link.v_index);
+  for (const int i : x.displaced_links) {
+    const Link& link = m.link(i);
+    joint_displacement(link.joint, system.q.data() + link.q_index, x.displacement.data() + link.v_index);
+  }
   const bool linked = !x.free_body && n > 1;
   const auto move = [&](std::span<const double> v) {
     dynamics::calc_bias_forces(m, ws, system.q, v, options_.gravity, system.external, x.free_v);

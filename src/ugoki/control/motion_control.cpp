@@ -34,7 +34,11 @@ double lowest_point(const Shape& s, const Pose& X_WB) {
 }  // namespace
 
 MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& options)
-    : mechanism_(std::move(mechanism)), options_(options), workspace_(*mechanism_), reference_(*mechanism_), problem_(max_supports),
+    : mechanism_(std::move(mechanism)),
+      options_(options),
+      workspace_(*mechanism_),
+      reference_(*mechanism_),
+      problem_(max_supports),
       loop_drives_(*mechanism_, drive_strengths(*mechanism_, options.gravity)) {
   reference_known_.resize(static_cast<std::size_t>(mechanism_->link_count()));
   const Mechanism& m = *mechanism_;
@@ -49,6 +53,11 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
   floating_ = m.link(0).joint.type == JointType::floating;
   for (int i = floating_ ? 6 : 0; i < m.nv(); ++i)
     if (m.dof(i).effort == 0 && !loop_drives_.contains(i)) undriven_.push_back(i);
+  for (int i = 0; i < m.link_count(); ++i) {
+    const Joint& joint = m.link(i).joint;
+    const auto dofs = std::span(joint.dofs).first(static_cast<std::size_t>(joint.nv()));
+    if (std::ranges::any_of(dofs, [](const Dof& f) { return f.stiffness > 0; })) sprung_links_.push_back(i);
+  }
   if (!undriven_.empty()) {
     extra_.resize(wanted_.size());
     response_.resize(wanted_.size());
@@ -218,7 +227,10 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
 
   // 2. Inverse dynamics
   dynamics::calc_inverse_dynamics(m, ws, wanted_, options_.gravity, {}, tau);
-  for (const Link& link : m.links()) joint_displacement(link.joint, in.q.data() + link.q_index, displacement_.data() + link.v_index);
+  for (const int i : sprung_links_) {
+    const Link& link = m.link(i);
+    joint_displacement(link.joint, in.q.data() + link.q_index, displacement_.data() + link.v_index);
+  }
   if (!undriven_.empty()) predict_undriven(in, tau);
 
   // 3. Contact forces

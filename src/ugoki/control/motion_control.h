@@ -111,8 +111,8 @@ class MotionControl {
   ControlOptions options_;
   /// Sets supports_ to the contacts that can bear load: planted in the reference and closed in the present state.
   void find_supports(const ControlInput& input, const Vec3& shift);
-  /// Replaces the wanted accelerations of the joints without a drive (effort 0) and outside of loops by those that their springs and dampers will cause, and
-  /// recomputes the torques. The other joints keep their wanted accelerations.
+  /// Replaces the wanted accelerations of the joints without a drive (effort 0) and outside of loops by those that their springs and
+  /// dampers will cause, and recomputes the torques. The other joints keep their wanted accelerations.
   void predict_undriven(const ControlInput& input, std::span<double> tau);
   /// Free fall: the part of the weight that the ground does not carry accelerates the body. Recomputes torques, reduces the missing wrench.
   /// @param ahead m, world: actual minus reference position of the root
@@ -141,8 +141,9 @@ class MotionControl {
   double lever_ = 1;
   double weight_ = 0;  // N
   bool floating_ = false;
-  double lost_ = 0;             // 0: follows the reference; 1: has lost it, so that all contacts bear load
-  std::vector<double> wanted_;  // [nv] accelerations, m/s^2 | rad/s^2
+  double lost_ = 0;                // 0: follows the reference; 1: has lost it, so that all contacts bear load
+  std::vector<double> wanted_;     // [nv] accelerations, m/s^2 | rad/s^2
+  std::vector<int> sprung_links_;  // links whose joint has a spring
   std::vector<double> displacement_;
   LoopDrives loop_drives_;
   std::vector<int> undriven_;              // velocity indices of the joint DOFs without a drive that no loop moves
