@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/clip.h"
 #include "ugoki/motion/reference.h"
+#include "ugoki/motion/torques.h"
 #include "ugoki/samples/samples.h"
 
 namespace ugoki::control {
@@ -22,6 +24,7 @@ class Looped final : public ReferenceMotion {
  public:
   Looped(MechanismPtr mechanism, const Motion& motion, double length)
       : mechanism_(std::move(mechanism)), motion_(make_reference(motion, *mechanism_, 0)) {
+    if (is_computed(motion)) labels_ = motion.contacts;
     clip_.length = length;
     clip_.loop = motion.cyclic;
     if (motion.cyclic) clip_.cycle = cycle_of(motion, *mechanism_);
@@ -30,10 +33,21 @@ class Looped final : public ReferenceMotion {
     ugoki::sample(clip_, motion_, *mechanism_, t, q, v, a);
   }
   [[nodiscard]] double end() const override { return clip_.length; }
+  [[nodiscard]] bool contacts(double t, std::span<std::uint8_t> on) const override {
+    if (labels_.empty()) return false;
+    const double time = phase_of(clip_, motion_.duration(), t).time;
+    const auto frame = static_cast<std::size_t>(std::clamp(std::floor(time * motion_.rate() + 0.5), 0.0, motion_.frames() - 1.0));
+    std::ranges::fill(on, std::uint8_t{0});
+    for (const ContactTrack& label : labels_)
+      for (int i = 0; i < mechanism_->link_count(); ++i)
+        if (mechanism_->link(i).name == label.link) on[static_cast<std::size_t>(i)] = label.on[frame];
+    return true;
+  }
 
  private:
   MechanismPtr mechanism_;
   SmoothMotion motion_;
+  std::vector<ContactTrack> labels_;  // of a computed motion
   Clip clip_;
 };
 

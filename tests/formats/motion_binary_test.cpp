@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "ugoki/base/hash.h"
+#include "ugoki/motion/torques.h"
 
 namespace ugoki::formats {
 namespace {
@@ -65,6 +66,21 @@ TEST(MotionBinary, RoundTripKeepsEveryBit) {
   EXPECT_EQ(back->contacts[1].link, "right foot");
   EXPECT_EQ(back->contacts[1].on, m.contacts[1].on);
   EXPECT_EQ(write_motion(*back), write_motion(m));
+}
+
+TEST(MotionBinary, ComputedMotionsStayComputedUntilTheyAreEdited) {
+  Motion m = a_motion();
+  EXPECT_FALSE(is_computed(m));
+  EXPECT_FALSE(is_computed(read_motion(write_motion(m), "x").value()));
+  mark_computed(m);
+  EXPECT_TRUE(is_computed(m));
+  EXPECT_EQ(torques_of(m), nullptr);
+  Motion back = read_motion(write_motion(m), "x").value();
+  EXPECT_TRUE(is_computed(back));
+  EXPECT_EQ(write_motion(back), write_motion(m));
+  back.q[2] += 1e-9;
+  EXPECT_FALSE(is_computed(back));
+  EXPECT_FALSE(is_computed(read_motion(write_motion(back), "x").value()));
 }
 
 TEST(MotionBinary, MeasuredMotionRoundTripKeepsEveryBit) {

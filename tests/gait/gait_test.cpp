@@ -5,8 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
 #include "../control/balance_scene.h"
+#include "ugoki/formats/mechanism_json.h"
 #include "ugoki/gait/centre.h"
 #include "ugoki/gait/pattern.h"
 #include "ugoki/mechanism/state.h"
@@ -25,6 +28,16 @@ MechanismPtr person() {
 }
 MechanismPtr dog() {
   static const MechanismPtr made = samples::make_dog();
+  return made;
+}
+
+MechanismPtr hexapod() {
+  static const MechanismPtr made = [] {
+    const std::string file = std::string(UGOKI_SOURCE_DIR) + "/examples/mechanisms/hexapod.json";
+    std::ifstream in(file);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    return formats::read_mechanism(text, file).value();
+  }();
   return made;
 }
 
@@ -286,17 +299,99 @@ TEST(Gait, ErrorsNameTheRemedy) {
   EXPECT_FALSE(make_gait(person(), o));
 }
 
-// Without root assist: a person who starts, walks and turns does not fall.
-TEST(Gait, SurvivesWithoutAssist) {
-  GaitOptions o;
-  o.stages = {{0, GaitKind::walk, 1.25, 0}, {2, GaitKind::walk, 1.25, 0.785}};
-  o.seconds = 5;
-  const Motion motion = make_gait(person(), o).value();
-  control::Simulation s(person(), std::make_shared<const control::Looped>(person(), motion, motion.duration()));
+/// Simulates a gait of 8 s, with start and stop, without root assist. Returns the rms error of the joints, degrees.
+double tracking_error(const MechanismPtr& m, GaitOptions o, double min_way) {
+  o.seconds = 8;
+  const Motion motion = make_gait(m, o).value();
+  control::Simulation s(m, std::make_shared<const control::Looped>(m, motion, motion.duration()));
+  std::vector<Pose> X(at(m->link_count()));
+  calc_poses(*m, s.state.q, X);
+  const double height = centre_of_mass(*m, X).z, start = s.state.q[0];
+  double sum = 0, count = 0;
   while (s.memory.time < motion.duration() - 0.01) {
     s.step();
-    ASSERT_LT(std::fabs(s.control.reference()[2] - s.state.q[2]), 0.15) << "fell at " << s.memory.time;
+    sum += s.tracking_error() * s.tracking_error();
+    count += 1;
+    if (std::fabs(s.below()) < 0.2 * height) continue;
+    ADD_FAILURE() << m->name() << " fell at " << s.memory.time << " s";
+    break;
   }
+  EXPECT_GT(std::hypot(s.state.q[0] - start, s.state.q[1]), min_way);
+  return std::sqrt(sum / count);
+}
+
+TEST(Gait, TooShortMotionsAreNoted) {
+  GaitOptions o;
+  o.stages = {{0, GaitKind::walk, 1, 0}};
+  for (const double seconds : {4.0, 8.0}) {
+    o.seconds = seconds;
+    GaitReport report;
+    ASSERT_TRUE(make_gait(person(), o, &report));
+    const bool noted = std::ranges::any_of(report.notes, [](const std::string& note) { return note.contains("too short"); });
+    EXPECT_EQ(noted, seconds < 5);
+  }
+}
+
+// Without root assist: a person who starts, walks, turns and stops does not fall.
+TEST(Gait, SurvivesWithoutAssist) {
+  GaitOptions o;
+  o.stages = {{0, GaitKind::walk, 1.25, 0}, {3, GaitKind::walk, 1.25, 0.785}};
+  EXPECT_LT(tracking_error(person(), o, 2), 1.5);
+}
+
+// The legs of the machine have three joints: the place of a foot determines the orientation of its shank.
+TEST(Gait, SixLegsSurviveWithoutAssist) {
+  const MechanismPtr machine = hexapod();
+  for (const GaitKind kind : {GaitKind::walk, GaitKind::trot}) {
+    GaitOptions o;
+    o.stages = {{0, kind, usual_speed(machine, kind).value(), 0}};
+    EXPECT_LT(tracking_error(machine, o, 1), 3) << name_of(kind);
+  }
+}
+
+TEST(Gait, DogTrotSurvivesWithoutAssist) {
+  GaitOptions o;
+  o.stages = {{0, GaitKind::trot, 1.8, 0}};
+  EXPECT_LT(tracking_error(dog(), o, 6), 4.5);
+}
+
+// Balance control takes the stances of a computed gait as they are, and does not detect them again.
+TEST(Gait, StancesReachTheController) {
+  for (const MechanismPtr& m : {person(), dog(), hexapod()}) {
+    const GaitKind kind = m == person() ? GaitKind::walk : GaitKind::trot;
+    GaitOptions o;
+    o.stages = {{0, kind, usual_speed(m, kind).value(), 0}};
+    GaitReport report;
+    const Motion motion = make_gait(m, o, &report).value();
+    const control::Looped reference(m, motion, motion.duration());
+    const std::vector<control::Foot> feet = control::feet_of(*m);
+    const control::FootSchedule schedule(*m, feet, reference, 0);
+    ASSERT_EQ(feet.size(), report.legs.size());
+    for (std::size_t k = 0; k < feet.size(); ++k) {
+      const auto leg = at(static_cast<int>(std::ranges::find(report.legs, m->link(feet[k].link).name) - report.legs.begin()));
+      ASSERT_LT(leg, report.legs.size());
+      const std::span<const control::Stance> found = schedule.stances(k);
+      ASSERT_EQ(found.size(), report.stances[leg].size()) << m->name();
+      for (std::size_t i = 1; i + 1 < found.size(); ++i) {
+        EXPECT_NEAR(found[i].begin, report.stances[leg][i].begin, 1.01 / motion.rate);
+        EXPECT_NEAR(found[i].end, report.stances[leg][i].end, 1.01 / motion.rate);
+      }
+    }
+  }
+}
+
+// The machine's weight stays below its body although it stands on tripods, so it does not sway from one to the next.
+TEST(Gait, SixLegsDoNotSway) {
+  const MechanismPtr m = hexapod();
+  const Motion motion = make_gait(m, stride_of(GaitKind::trot, 0.7)).value();
+  double lowest = 1e9, highest = -1e9, left = -1e9, right = 1e9;
+  for (const std::vector<Pose>& X : poses_of(*m, motion)) {
+    const Vec3 c = centre_of_mass(*m, X);
+    left = std::max(left, c.y), right = std::min(right, c.y);
+    highest = std::max(highest, c.z), lowest = std::min(lowest, c.z);
+  }
+  EXPECT_LT(left - right, 5e-3);
+  EXPECT_LT(highest - lowest, 2e-3);
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ void add_swing_task(const BalanceModel& model, std::size_t f, const BalanceState
   if (late) target.z = model.options.sole_damping * (-model.options.press_speed - v.z);
   const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   add_point_rows(model, foot.link, p, target, model.options.swing_weight, axes, program);
-  add_turn_task(model, foot.link, levelled(model, memory, f), w, model.options.swing_turn_weight, program);
+  if (foot.turns) add_turn_task(model, foot.link, levelled(model, memory, f), w, model.options.swing_turn_weight, program);
 }
 
 /// Adds the task that a foot moves to the place below the body where it will land.
@@ -111,7 +111,7 @@ void add_landing_task(const BalanceModel& model, std::size_t f, const BalanceSta
   const Vec3 target = goal.acceleration + (goal.place - p) * (w * w) + (goal.velocity - v) * (2 * w);
   const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   add_point_rows(model, foot.link, p, target, model.options.landing_weight, axes, program);
-  add_turn_task(model, foot.link, levelled(model, state.feet[f], f), w, model.options.swing_turn_weight, program);
+  if (foot.turns) add_turn_task(model, foot.link, levelled(model, state.feet[f], f), w, model.options.swing_turn_weight, program);
 }
 
 /// Adds the constraint that a gripping point moves with its counterpart on the other side.

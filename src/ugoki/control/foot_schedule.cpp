@@ -10,6 +10,31 @@
 namespace ugoki::control {
 namespace {
 std::size_t idx(int i) { return static_cast<std::size_t>(i); }
+
+/// True if the joint of the link and that of its parent turn the link about axes that are not parallel, in the neutral position.
+bool can_turn(const Mechanism& m, int link) {
+  constexpr double angle = 1e-4, parallel = 0.3;  // rad; sine of the angle between two axes
+  const std::vector<double> q = m.neutral();
+  std::vector<double> moved(q.size()), v(idx(m.nv()));
+  std::vector<Pose> X(idx(m.link_count())), X_moved(X.size());
+  calc_poses(m, q, X);
+  std::vector<Vec3> axes;
+  for (const int i : {link, m.link(link).parent}) {
+    if (i <= 0) continue;
+    for (int k = 0; k < m.link(i).joint.nv(); ++k) {
+      std::ranges::fill(v, 0.0);
+      v[idx(m.link(i).v_index + k)] = angle;
+      integrate(m, q, v, 1, moved);
+      calc_poses(m, moved, X_moved);
+      axes.push_back(log_map(to_quat(X_moved[idx(link)].R * X[idx(link)].R.transposed())) / angle);
+    }
+  }
+  for (const Vec3& a : axes)
+    for (const Vec3& b : axes)
+      if (norm(cross(a, b)) > parallel) return true;
+  return false;
+}
+
 }  // namespace
 
 std::vector<Foot> feet_of(const Mechanism& m) {
@@ -41,6 +66,7 @@ std::vector<Foot> feet_of(const Mechanism& m) {
       count += 1;
     }
     if (count > 0) foot.sole = sum / count;
+    foot.turns = can_turn(m, foot.link);
     foot.normal = transpose_times(X[idx(foot.link)].R, Vec3{0, 0, 1});
   }
   std::vector<int> above(idx(m.link_count()));  // number of feet below each link
@@ -101,6 +127,7 @@ FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const
       }
     }
   }
+  use_known_contacts(m, feet, motion, rate, on);
   const double infinity = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < feet.size(); ++k)
     for (int f = 0; f < frames;) {
@@ -116,6 +143,16 @@ FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const
     }
   find_flights(on, height, rate);
   for (std::size_t k = 0; k < feet.size(); ++k) find_turns(k, on[k], yaw_rate[k], rate);
+}
+
+void FootSchedule::use_known_contacts(const Mechanism& m, std::span<const Foot> feet, const ReferenceMotion& motion, double rate,
+                                      std::span<std::vector<std::uint8_t>> on) {
+  std::vector<std::uint8_t> links(idx(m.link_count()));
+  for (std::size_t f = 0; !on.empty() && f < on[0].size(); ++f) {
+    if (!motion.contacts(static_cast<double>(f) / rate, links)) continue;
+    for (std::size_t k = 0; k < feet.size(); ++k)
+      on[k][f] = std::ranges::any_of(feet[k].parts, [&](int link) { return links[idx(link)] != 0; }) ? 1 : 0;
+  }
 }
 
 void FootSchedule::find_turns(std::size_t foot, std::span<const std::uint8_t> stands, std::span<const double> yaw_rate, double rate) {

@@ -17,6 +17,9 @@ class ReferenceMotion {
   /// Returns the reference at time t [s]. @param q [nq, out]  @param v, a [nv, out] rad/s | m/s, rad/s^2 | m/s^2
   virtual void sample(double t, std::span<double> q, std::span<double> v, std::span<double> a) const = 0;
   [[nodiscard]] virtual double end() const = 0;  ///< s: duration; the motion is sampled from 0 to end()
+  /// Contacts with the ground at time t [s], if they are known, because the motion was computed for them. Contacts of measured motions are
+  /// not known. @param on [links, out] 1: the link is in contact; valid if the result is true
+  [[nodiscard]] virtual bool contacts(double /*t*/, std::span<std::uint8_t> /*on*/) const { return false; }
 };
 
 /// A foot: a link that can stand, with its descendants that can also touch the ground (toes).
@@ -25,9 +28,12 @@ struct Foot {
   std::vector<int> parts;         ///< links: `link` and its descendants that are feet
   std::vector<LinkPoint> points;  ///< support points of all parts
   std::vector<int> dofs;          ///< DOFs between the root and `link`, without the root's own DOFs
-  int hip = -1;                   ///< first link of the leg: the last ancestor of `link` that is not an ancestor of another foot
-  Vec3 normal;                    ///< unit, in the frame of `link`: upward normal of the sole, vertical in the neutral position
-  Vec3 sole;                      ///< m, in the frame of `link`: mean of the lowest support points of `link` in the neutral position
+  /// True if the foot's joint and the joint before it turn the foot about axes that are not parallel (an ankle). Otherwise the place of the
+  /// foot determines its orientation (a shank, a paw); a goal for the orientation would pull it from its place and turn the body.
+  bool turns = false;
+  int hip = -1;  ///< first link of the leg: the last ancestor of `link` that is not an ancestor of another foot
+  Vec3 normal;   ///< unit, in the frame of `link`: upward normal of the sole, vertical in the neutral position
+  Vec3 sole;     ///< m, in the frame of `link`: mean of the lowest support points of `link` in the neutral position
 };
 /// Returns the feet of a mechanism (find_feet). Toes are part of their foot.
 [[nodiscard]] std::vector<Foot> feet_of(const Mechanism& mechanism);
@@ -56,7 +62,7 @@ struct Flight {
 /// Stances of all feet over a reference motion.
 class FootSchedule {
  public:
-  /// Samples the motion at `rate` [Hz] and labels the contacts with the floor. O(duration).
+  /// Samples the motion at `rate` [Hz]. Contacts that the motion does not know are labelled by height and speed of the feet. O(duration).
   FootSchedule(const Mechanism& mechanism, std::span<const Foot> feet, const ReferenceMotion& motion, double floor, double rate = 120);
   [[nodiscard]] ScheduledFoot at(std::size_t foot, double t) const;
   /// True if the foot turns about a vertical axis on the ground at time t [s], for example in a pirouette.
@@ -72,6 +78,10 @@ class FootSchedule {
 
  private:
   void find_turns(std::size_t foot, std::span<const std::uint8_t> stands, std::span<const double> yaw_rate, double rate);
+
+  /// Replaces labels by the contacts that the motion knows. @param on [feet][frames, in, out]
+  static void use_known_contacts(const Mechanism& mechanism, std::span<const Foot> feet, const ReferenceMotion& motion, double rate,
+                                 std::span<std::vector<std::uint8_t>> on);
 
   void find_flights(std::span<const std::vector<std::uint8_t>> on, std::span<const double> height, double rate);
 

@@ -24,6 +24,7 @@ class ReturnMotion final : public ReferenceMotion {
 
   void sample(double t, std::span<double> q, std::span<double> v, std::span<double> a) const override;
   [[nodiscard]] double end() const override;
+  [[nodiscard]] bool contacts(double t, std::span<std::uint8_t> on) const override { return t >= joins_ && track_->contacts(t, on); }
   /// Displacement that puts the motion at begin() to the place and the heading of a character: the middle of its soles.
   /// @param q [nq] the character @param feet its feet (feet_of)
   [[nodiscard]] Placement placement_at(std::span<const double> q, std::span<const Foot> feet) const;

@@ -196,7 +196,7 @@ std::vector<std::byte> write_motion(const Motion& motion) {
   }
   out.count(motion.q.size());
   out.raw(motion.q.data(), motion.q.size() * sizeof(double));
-  const MotionTorques* const torques = torques_of(motion);
+  const MotionTorques* const torques = is_computed(motion) ? motion.torques.get() : torques_of(motion);
   if (!torques) return out.finish(motion_mark);
   out.number(torques->step);
   for (const std::vector<double>* list : {&torques->q0, &torques->v0, &torques->tau}) {

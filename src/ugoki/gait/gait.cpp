@@ -10,6 +10,7 @@
 #include "ugoki/gait/path.h"
 #include "ugoki/gait/posture.h"
 #include "ugoki/mechanism/state.h"
+#include "ugoki/motion/torques.h"
 #include "ugoki/spatial/elementary.h"
 
 namespace ugoki::gait {
@@ -83,7 +84,8 @@ class Generator {
         sum += leg[at(f)].load;
         mean += leg[at(f)].duty * 0.5;  // loads rise and fall over half of the stance
       }
-      const double walk = w_.biped ? 1 - b.run : 0;
+      // Six legs and more bear the body at a constant height as long as half of them stand.
+      const double walk = w_.biped ? 1 - b.run : many_legs() && course_.legs[0][at(f)].duty >= 0.5 ? 1 : 0;
       a[at(f)] = o_.gravity * b.moving * (1 - walk) * (sum / std::max(mean, 1e-6) - 1);
       time = b.stride_time;
     }
@@ -114,19 +116,28 @@ class Generator {
     for (const WalkerLeg& leg : w_.legs) mean += leg.home.x / static_cast<double>(w_.legs.size());
     for (const WalkerLeg& leg : w_.legs) square += (leg.home.x - mean) * (leg.home.x - mean) / static_cast<double>(w_.legs.size());
     flight_.assign(at(n), 0);
+    std::vector<BearingFoot> feet;
     for (int f = 0; f < n; ++f) {
       const CourseFrame& b = course_.body[at(f)];
       Vec3 sum;
       double weight = 0;
+      feet.clear();
       for (std::size_t k = 0; k < w_.legs.size(); ++k) {
         const LegFrame& leg = course_.legs[k][at(f)];
         if (!leg.stands) continue;
         double own = b.moving * leg.load + (1 - b.moving);
+        if (many_legs()) {
+          const Vec3 p = foot_pose(w_, o_, course_, k, f).pressure;
+          feet.push_back({p, own, {p.x - b.x, p.y - b.y, 0}});
+          continue;
+        }
         if (!w_.biped && square > 1e-9) own *= std::max(0.2, 1 - mean * (w_.legs[k].home.x - mean) / square);
         const FootPose foot = foot_pose(w_, o_, course_, k, f);
         sum += foot.pressure * own;
         weight += own;
       }
+      balance_loads(feet);
+      for (const BearingFoot& foot : feet) sum += foot.pressure * foot.load, weight += foot.load;
       if (weight > 0)
         pressure_[at(f)] = sum / weight;
       else
@@ -134,6 +145,51 @@ class Generator {
       if (weight <= 0 && f > 0) pressure_[at(f)] = pressure_[at(f - 1)];
     }
   }
+
+  struct BearingFoot {
+    Vec3 pressure;
+    double load = 0;
+    Vec3 from_body;  // m, horizontal: the foot relative to the body
+  };
+
+  /// Changes the loads as little as possible so that their mean is below the body, if the body is inside the support. A machine on many
+  /// legs then goes straight ahead and does not sway from one tripod to the next. With the loads e_k and the places d_k, the new loads e_k
+  /// max(0, 1 + x . d_k) follow from the minimum over x of sum e_k max(0, 1 + x . d_k)^2 / 2, which is convex (Newton steps).
+  static void balance_loads(std::span<BearingFoot> feet) {
+    constexpr double firm = 1e-3;  // m^2, share of the total load: keeps x finite if the body is outside the support
+    constexpr int max_steps = 40;
+    double total = 0;
+    for (const BearingFoot& foot : feet) total += foot.load;
+    if (!(total > 0)) return;
+    double x = 0, y = 0;
+    const auto value = [&](double u, double v) {
+      double sum = 0.5 * firm * total * (u * u + v * v);
+      for (const BearingFoot& foot : feet) {
+        const double s = std::max(0.0, 1 + u * foot.from_body.x + v * foot.from_body.y);
+        sum += 0.5 * foot.load * s * s;
+      }
+      return sum;
+    };
+    for (int step = 0; step < max_steps; ++step) {
+      double gx = firm * total * x, gy = firm * total * y, xx = firm * total, xy = 0, yy = firm * total;
+      for (const BearingFoot& foot : feet) {
+        const Vec3& d = foot.from_body;
+        const double s = 1 + x * d.x + y * d.y;
+        if (s <= 0) continue;
+        gx += foot.load * s * d.x, gy += foot.load * s * d.y;
+        xx += foot.load * d.x * d.x, xy += foot.load * d.x * d.y, yy += foot.load * d.y * d.y;
+      }
+      const double det = xx * yy - xy * xy, dx = (yy * gx - xy * gy) / det, dy = (xx * gy - xy * gx) / det;
+      if (dx * dx + dy * dy < 1e-20 * (1 + x * x + y * y)) break;
+      double share = 1;
+      const double here = value(x, y), slope = gx * dx + gy * dy;
+      while (share > 1e-4 && value(x - share * dx, y - share * dy) > here - 1e-4 * share * slope) share *= 0.5;
+      x -= share * dx, y -= share * dy;
+    }
+    for (BearingFoot& foot : feet) foot.load *= std::max(0.0, 1 + x * foot.from_body.x + y * foot.from_body.y);
+  }
+
+  [[nodiscard]] bool many_legs() const { return w_.legs.size() > 4; }
 
   /// Trajectory of the centre of mass.
   void solve_path(const std::vector<Vec3>& moment, bool first) {
@@ -251,6 +307,7 @@ class Generator {
     out.q.assign(q_.begin() + static_cast<std::ptrdiff_t>(at(course_.first) * nq),
                  q_.begin() + static_cast<std::ptrdiff_t>(at(course_.last + 1) * nq));
     keep_signs(out);
+    mark_computed(out);
     for (std::size_t k = 0; k < w_.legs.size(); ++k) {
       ContactTrack track{m.link(w_.legs[k].link).name, {}};
       for (int f = course_.first; f <= course_.last; ++f) track.on.push_back(course_.legs[k][at(f)].stands ? 1 : 0);
@@ -265,8 +322,19 @@ class Generator {
     report_.stride_time = course_.body[at(course_.last)].stride_time;
     report_.duty = course_.legs[0][at(course_.last)].duty;
     report_.notes = w_.notes;
+    note_shortness();
     measure_pressure();
     return out;
+  }
+
+  /// A start and a stop take some seconds. In a shorter motion the character only stands, and its maker should know why.
+  void note_shortness() {
+    const bool wants = std::ranges::any_of(o_.stages, [](const GaitStage& s) { return s.speed != 0 || s.turn != 0; });
+    double moving = 0;
+    for (int f = course_.first; f <= course_.last; ++f) moving = std::max(moving, course_.body[at(f)].moving);
+    if (wants && moving < 0.01)
+      report_.notes.push_back(
+          "The motion is too short for a start and a stop, so the character stands. Make it longer, or let it begin or end moving.");
   }
 
   /// rms distance of the centre of pressure of the final postures from the planned one.
@@ -369,7 +437,7 @@ Result<double> usual_speed(const MechanismPtr& mechanism, GaitKind kind, double 
   if (!w) return fail(w.error());
   const double unit = std::sqrt(gravity * w->hip_height);
   switch (kind) {
-    case GaitKind::walk: return (w->legs.size() > 4 ? 0.25 : 0.42) * unit;
+    case GaitKind::walk: return (w->legs.size() > 4 ? 0.15 : 0.42) * unit;
     case GaitKind::run: return (w->biped ? 1.0 : w->legs.size() > 4 ? 0.5 : 0.9) * unit;
     case GaitKind::trot:
     case GaitKind::pace: return (w->legs.size() > 4 ? 0.5 : 0.9) * unit;

@@ -154,10 +154,13 @@ Pattern pattern_of(GaitKind kind, const std::vector<LegPlace>& legs, double leg_
     return out;
   }
   // Many legs. Walk: waves run from the back to the front, and the two legs of a row alternate. Run, trot: neighbouring legs alternate.
+  // As in insects (Wilson 1966), a swing takes nearly the same time at all speeds, and stances become shorter. In a slow walk there are
+  // times at which all feet stand.
   const int rows = std::ranges::max(legs, {}, &LegPlace::row).row + 1;
-  stride_of(1.9 * pow(slow, 0.68));
-  out.duty = kind == GaitKind::walk ? 1 - 0.5 / rows : 0.55;
-  if (kind == GaitKind::walk && V > 0.3) out.duty = std::max(0.6, out.duty - 0.4 * (V - 0.3));
+  out.duty = kind == GaitKind::walk ? std::max(0.6, 1 - 0.36 / rows - 1.2 * V) : 0.55;
+  const double swing = 1.2 * std::sqrt(l / gravity), longest_step = 0.8 * l;  // s, m
+  out.stride_time = swing / (1 - out.duty);
+  if (std::fabs(speed) * out.stride_time * out.duty > longest_step) out.stride_time = longest_step / (std::fabs(speed) * out.duty);
   for (const LegPlace& leg : legs) {
     const double side = leg.left ? 0 : 0.5;
     out.phases.push_back(kind == GaitKind::walk ? fraction(side + leg.row * (1 - out.duty)) : fraction(side + 0.5 * (leg.row % 2)));

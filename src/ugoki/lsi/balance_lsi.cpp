@@ -24,6 +24,7 @@ class TrackReference final : public control::ReferenceMotion {
   explicit TrackReference(const Character& character)
       : mechanism_(character.mechanism),
         track_(character.track),
+        feet_(character.feet),
         current_(track_->layout().size()),
         previous_(current_.size()),
         blended_(current_.size()) {}
@@ -40,6 +41,15 @@ class TrackReference final : public control::ReferenceMotion {
     for (const TrackClip& clip : track_->clips()) end = std::max(end, clip.clip.end());
     return end;
   }
+  [[nodiscard]] bool contacts(double t, std::span<std::uint8_t> on) const override {
+    const TrackMoment now = track_->moment(t);
+    if (now.previous != now.current || !track_->knows_stances(now.current)) return false;
+    track_->sample_clip(now.current, t, current_);
+    std::ranges::fill(on, std::uint8_t{0});
+    for (std::size_t k = 0; k < feet_.size(); ++k)
+      on[static_cast<std::size_t>(feet_[k])] = current_[track_->layout().stance() + k] != 0 ? 1 : 0;
+    return true;
+  }
   /// Returns the reference payload at time t [s]; valid until the next call.
   [[nodiscard]] std::span<const double> payload(double t) const {
     const TrackMoment now = track_->moment(t);
@@ -53,6 +63,7 @@ class TrackReference final : public control::ReferenceMotion {
  private:
   MechanismPtr mechanism_;
   std::shared_ptr<const TrackSampler> track_;
+  std::vector<int> feet_;  // links
   mutable std::vector<double> current_, previous_, blended_;
 };
 

@@ -7,6 +7,7 @@
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/contact_labels.h"
 #include "ugoki/motion/reference.h"
+#include "ugoki/motion/torques.h"
 
 namespace ugoki::lsi {
 namespace {
@@ -55,6 +56,7 @@ TrackSampler::TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track,
       known.push_back(&motion);
       motions_.push_back(smooth ? make_reference(motion, *mechanism_, 0) : SmoothMotion(motion, *mechanism_, 0));
       stance_.push_back(stance_of(*mechanism_, motion, feet));
+      computed_.push_back(is_computed(motion) && !motion.contacts.empty());
     }
     Clip playing = track_[i].clip;
     if (i + 1 < track_.size()) {  // this clip continues during the transition to the next clip, if its motion is long enough

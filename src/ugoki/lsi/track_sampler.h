@@ -55,6 +55,8 @@ class TrackSampler {
   void sample(double t, std::span<double> reference) const;
   [[nodiscard]] bool smooth() const { return smooth_; }
   [[nodiscard]] const std::vector<TrackClip>& clips() const { return track_; }
+  /// True if the motion of the clip was computed (is_computed), so that the stances of its reference are those for which it was made.
+  [[nodiscard]] bool knows_stances(int clip) const { return computed_[motion_of_[static_cast<std::size_t>(clip)]]; }
 
  private:
   MechanismPtr mechanism_;
@@ -63,6 +65,7 @@ class TrackSampler {
   std::vector<SmoothMotion> motions_;              // one for each different motion
   std::vector<std::size_t> motion_of_;             // [clips] index into motions_
   std::vector<std::vector<std::uint8_t>> stance_;  // [motions][frames * feet] 1: the foot stands
+  std::vector<bool> computed_;                     // [motions]
   ReferenceLayout layout_;
   bool smooth_;
 };

@@ -1,6 +1,8 @@
 #include "ugoki/motion/torques.h"
 
+#include <memory>
 #include <span>
+#include <utility>
 
 #include "ugoki/base/hash.h"
 #include "ugoki/mechanism/state.h"
@@ -14,13 +16,23 @@ std::uint64_t path_hash(const Motion& motion) {
   return hash.value();
 }
 
+void mark_computed(Motion& motion) {
+  auto record = std::make_shared<MotionTorques>();
+  record->path = path_hash(motion);
+  motion.torques = std::move(record);
+}
+
+bool is_computed(const Motion& motion) {
+  return motion.torques && motion.torques->tau.empty() && motion.torques->path == path_hash(motion);
+}
+
 const MotionTorques* torques_of(const Motion& motion) {
-  return motion.torques && motion.torques->path == path_hash(motion) ? motion.torques.get() : nullptr;
+  return motion.torques && !motion.torques->tau.empty() && motion.torques->path == path_hash(motion) ? motion.torques.get() : nullptr;
 }
 
 Error check_torques(const Motion& motion, const Mechanism& mechanism) {
   Error errors;
-  if (!motion.torques) return errors;
+  if (!motion.torques || motion.torques->tau.empty()) return errors;
   const MotionTorques& t = *motion.torques;
   const std::string location = "motion " + motion.name;
   const auto nv = static_cast<std::size_t>(mechanism.nv());

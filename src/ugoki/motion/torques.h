@@ -10,7 +10,8 @@
 
 namespace ugoki {
 
-/// Torques that are constant during each simulation step, and the state of which they begin.
+/// Torques that are constant during each simulation step, and the state of which they begin. A motion that was computed as coordinates
+/// (a gait) has this record without torques.
 struct MotionTorques {
   double step = 0.002;         ///< s: duration of a row of `tau`, which is one simulation step
   std::vector<double> q0, v0;  ///< [nq], [nv] first state, in the world; the motion cannot be placed elsewhere
@@ -22,6 +23,11 @@ struct MotionTorques {
 
 /// Hash of rate and coordinates of a motion.
 [[nodiscard]] std::uint64_t path_hash(const Motion& motion);
+
+/// Marks a motion as computed: its coordinates have no noise, and its contacts are those for which the coordinates were computed.
+void mark_computed(Motion& motion);
+/// True if mark_computed() was called, and neither coordinates nor rate were changed afterwards.
+[[nodiscard]] bool is_computed(const Motion& motion);
 
 /// Torques of the motion; null if it has none, or if its coordinates or its rate were changed after the torques were computed.
 [[nodiscard]] const MotionTorques* torques_of(const Motion& motion);
