@@ -59,7 +59,8 @@ std::string page_word(const std::string& browser, const std::string& address) {
   return fs::path(browser).filename().string().contains("headless-shell") ? address : "--app=" + address;
 }
 
-/// Receives the pictures of the page.
+/// Receives the pictures of the page: PNG files as requests, and pixels for videos as WebSocket messages. (A browser copies the body of
+/// each request into new memory, which for the pixels would take a tenth of the time of a video.)
 class Receiver final : public studio::ServerEvents {
  public:
   struct Picture {
@@ -67,7 +68,11 @@ class Receiver final : public studio::ServerEvents {
   };
 
   /// @param settings of all pages, JSON @param pages number of pages; page k draws the pictures k, k + pages, k + 2 pages ...
-  Receiver(Json settings, int pages) : settings_(std::move(settings)), pages_(pages) {}
+  /// @param raw_size number of bytes of the pixels of a picture
+  Receiver(Json settings, int pages, std::size_t raw_size) : settings_(std::move(settings)), pages_(pages), raw_size_(raw_size) {}
+
+  /// Sets where pages receive answers; to be called before a page connects. @param outbox must outlive the receiver's last call of done()
+  void answer_by(studio::Outbox& outbox) { outbox_ = &outbox; }
 
   void on_api(studio::ApiRequest request, std::function<void(studio::ApiReply)> answer) override {
     if (request.path == "/api/pictures") {
@@ -78,12 +83,10 @@ class Receiver final : public studio::ServerEvents {
     }
     if (request.path == "/api/picture") {
       const std::optional<long> number = parse_long(studio::query_value(request.query, "number").value_or(""));
-      const bool png = studio::query_value(request.query, "form").value_or("") == "png";
       if (!number) return answer({400, "{}"});
       {
         const std::lock_guard lock(mutex_);
-        Picture& p = arrived_[static_cast<int>(*number)];
-        (png ? p.png : p.raw) = std::move(request.body);
+        arrived_[static_cast<int>(*number)].png = std::move(request.body);
         answers_.emplace(static_cast<int>(*number), std::move(answer));
       }
       return changed_.notify_all();
@@ -98,7 +101,32 @@ class Receiver final : public studio::ServerEvents {
     }
     answer({404, "{}"});
   }
-  void on_message(studio::ClientId, std::string, std::function<void()> done) override { done(); }
+  /// The number of the picture whose pixels follow as binary messages.
+  void on_message(studio::ClientId client, std::string text, std::function<void()> done) override {
+    if (const std::optional<long> number = parse_long(text)) {
+      const std::lock_guard lock(mutex_);
+      Pixels& pixels = arriving_[client];
+      pixels.number = static_cast<int>(*number);
+      pixels.bytes.clear();
+      pixels.bytes.reserve(raw_size_);
+    }
+    done();
+  }
+  void on_bytes(studio::ClientId client, std::string bytes, std::function<void()> done) override {
+    {
+      const std::lock_guard lock(mutex_);
+      Pixels& pixels = arriving_[client];
+      pixels.bytes += bytes;
+      if (pixels.bytes.size() > raw_size_) failure_ = "The page has sent a picture of another size.";
+      if (pixels.bytes.size() == raw_size_) {
+        arrived_[pixels.number].raw = std::move(pixels.bytes);
+        senders_[pixels.number] = client;
+        arriving_.erase(client);
+      }
+    }
+    changed_.notify_all();
+    done();
+  }
   void on_close(studio::ClientId) override {}
 
   /// Waits for the picture `number` for at most `seconds`. @return whether it has arrived with all wanted forms
@@ -116,13 +144,19 @@ class Receiver final : public studio::ServerEvents {
   /// Answers the page's requests with this picture, so that the page sends further pictures.
   void done(int number) {
     std::vector<std::function<void(studio::ApiReply)>> answers;
+    std::optional<studio::ClientId> sender;
     {
       const std::lock_guard lock(mutex_);
+      if (const auto found = senders_.find(number); found != senders_.end()) {
+        sender = found->second;
+        senders_.erase(found);
+      }
       const auto [begin, end] = answers_.equal_range(number);
       for (auto i = begin; i != end; ++i) answers.push_back(std::move(i->second));
       answers_.erase(begin, end);
     }
     for (const auto& answer : answers) answer({200, "{}"});
+    if (sender) outbox_->send(*sender, std::to_string(number));
   }
   std::string failure() {
     const std::lock_guard lock(mutex_);
@@ -130,12 +164,21 @@ class Receiver final : public studio::ServerEvents {
   }
 
  private:
+  struct Pixels {
+    int number = -1;
+    std::string bytes;
+  };
+
   const Json settings_;
   const int pages_;
+  const std::size_t raw_size_;
+  studio::Outbox* outbox_ = nullptr;
   std::atomic<int> next_page_ = 0;
   std::mutex mutex_;
   std::condition_variable changed_;
+  std::map<studio::ClientId, Pixels> arriving_;  // pictures of which a part has arrived
   std::map<int, Picture> arrived_;
+  std::map<int, studio::ClientId> senders_;  // of pixels that have arrived
   std::multimap<int, std::function<void(studio::ApiReply)>> answers_;
   std::string failure_;
 };
@@ -415,11 +458,14 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   catch_interrupt();
   std::signal(SIGPIPE, SIG_IGN);
   const int browsers = browser_count(plan->count, graphics_processor);
-  Receiver receiver(std::move(*settings), browsers);
+  const std::size_t pixel_count = static_cast<std::size_t>(o.width) * static_cast<std::size_t>(o.height);
+  Receiver receiver(std::move(*settings), browsers, plan->planar ? pixel_count * 3 / 2 : pixel_count * 4);
   studio::ServerOptions server_options;
   server_options.page = *filled;
+  server_options.binary_messages = true;
   const Result<std::unique_ptr<studio::Server>> server = studio::Server::listen(server_options, receiver);
   if (!server) return fail(server.error());
+  receiver.answer_by(**server);
   const Result<std::unique_ptr<studio::LaunchPage>> launch = studio::LaunchPage::write((*server)->address());
   if (!launch) return fail(launch.error());
   const fs::path log = folder / "browser.log";

@@ -45,6 +45,10 @@ class Echo final : public ServerEvents {
     server->send(client, "echo " + text);
     done();
   }
+  void on_bytes(ClientId client, std::string bytes, std::function<void()> done) override {
+    server->send(client, "bytes " + std::to_string(bytes.size()));
+    done();
+  }
   void on_close(ClientId) override {
     const std::scoped_lock lock(mutex);
     ++closed;
@@ -396,6 +400,21 @@ TEST_F(ServerTest, MalformedWebSocketFramesCloseOnlyThatConnection) {
   const auto answer = good.receive();
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->data, "echo still here");
+}
+
+TEST_F(ServerTest, BinaryMessagesArriveInOrderWithTextsIfTheyAreAllowed) {
+  server.reset();
+  options.binary_messages = true;
+  start();
+  WebSocket page(port(), "/ws", {bearer()});
+  page.send_text("1");
+  page.send_frame(2, std::string("\0\xff", 2));
+  page.send_text("2");
+  for (const char* expected : {"echo 1", "bytes 2", "echo 2"}) {
+    const auto answer = page.receive();
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(answer->data, expected);
+  }
 }
 
 TEST_F(ServerTest, BroadcastsToAllPages) {

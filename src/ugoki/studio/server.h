@@ -34,6 +34,8 @@ class ServerEvents {
   virtual void on_api(ApiRequest request, std::function<void(ApiReply)> answer) = 0;
   /// A message from a page. The page's next message is read only after `done` was called (once, from any thread).
   virtual void on_message(ClientId client, std::string text, std::function<void()> done) = 0;
+  /// A binary message from a page, if ServerOptions::binary_messages allows them; otherwise as on_message().
+  virtual void on_bytes(ClientId, std::string /*bytes*/, std::function<void()> done) { done(); }
   virtual void on_close(ClientId client) = 0;
 };
 
@@ -44,6 +46,7 @@ struct ServerOptions {
   std::string page;                                       ///< if not empty: the only page, complete with its scripts, instead of `web`
   std::size_t max_import_bytes = std::size_t{256} << 20;  ///< maximum size of the body of an import request
   std::size_t max_message_bytes = std::size_t{8} << 20;   ///< maximum size of a WebSocket message from a page
+  bool binary_messages = false;                           ///< false: a page that sends a binary message is disconnected
   std::size_t max_waiting_bytes = std::size_t{64} << 20;  ///< texts queued for one page; a page that exceeds this is disconnected
   std::size_t max_connections = 128;                      ///< a further connection closes the oldest one that has no admitted request
   std::chrono::seconds header_time{5};                    ///< timeout for a request's header; also ends an idle connection

@@ -113,7 +113,7 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
   void read() {
     ws_.async_read(buffer_, [self = shared_from_this()](error_code ec, std::size_t) {
       if (ec) return self->end();
-      if (self->ws_.got_text()) {
+      if (self->ws_.got_text() || self->server_.options.binary_messages) {
         self->hand_over();
       } else {
         self->ws_.async_close({websocket::close_code::unknown_data, "The studio reads text messages only."},
@@ -123,16 +123,20 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
   }
 
   void hand_over() {
-    std::string text = beast::buffers_to_string(buffer_.data());
+    std::string message = beast::buffers_to_string(buffer_.data());
     buffer_.clear();
-    server_.events.on_message(id_, std::move(text), [weak = weak_from_this(), server = server_.weak_from_this()] {
+    auto done = [weak = weak_from_this(), server = server_.weak_from_this()] {
       const std::shared_ptr<Server::Impl> impl = server.lock();
       if (!impl) return;
       net::post(impl->io, [weak] {
         const std::shared_ptr<WebSocketClient> self = weak.lock();
         if (self && !self->ended_) self->read();
       });
-    });
+    };
+    if (ws_.got_text())
+      server_.events.on_message(id_, std::move(message), std::move(done));
+    else
+      server_.events.on_bytes(id_, std::move(message), std::move(done));
   }
 
   void pump() {

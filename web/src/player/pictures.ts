@@ -3,6 +3,7 @@ import { Access } from '../core/access';
 import type { Engine, RecordedInput } from './engine';
 import { PlanarPictures } from './planar';
 import { textures_ready } from '../view/skin_view';
+import { open_picture_socket, type PictureSocket } from './picture_socket';
 import { SceneView } from './scene_view';
 
 interface Settings {
@@ -42,13 +43,14 @@ export async function draw_pictures(open: () => Promise<Engine>): Promise<void> 
   await access.enter();
   try {
     const settings = (await (await access.fetch('api/pictures')).json()) as Settings;
-    await draw_all(await open(), settings, access);
+    await draw_all(await open(), settings, access, settings.raw === '' ? null : await open_picture_socket(access));
   } catch (error) {
     await access.fetch('api/failed', { method: 'POST', body: (error as Error).message });
   }
 }
 
-async function draw_all(engine: Engine, settings: Settings, access: Access): Promise<void> {
+/** @param socket for pixels; null if none are wanted */
+async function draw_all(engine: Engine, settings: Settings, access: Access, socket: PictureSocket | null): Promise<void> {
   const { width, height } = settings;
   const canvas = document.createElement('canvas');
   const view = new SceneView(canvas, engine.scene, { theme: settings.theme, pictures: true, transparent: settings.transparent });
@@ -85,8 +87,8 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
   flat.width = width;
   flat.height = height;
   const under_way = new Set<Promise<void>>();
-  const send = async (number: number, form: string, body: BodyInit): Promise<void> => {
-    const answer = await access.fetch(`api/picture?number=${number}&form=${form}`, { method: 'POST', body });
+  const send_png = async (number: number, body: Blob): Promise<void> => {
+    const answer = await access.fetch(`api/picture?number=${number}`, { method: 'POST', body });
     if (!answer.ok) throw new Error(`The program refused picture ${number + 1}: ${await answer.text()}`);
   };
   const send_all = async (sending: Promise<void>[]): Promise<void> => {
@@ -101,7 +103,7 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
   const read_planar = async (): Promise<void> => {
     if (!planar || drawn < 0) return;
     const bytes = planar.read(gl);
-    await send_all([send(drawn, 'raw', bytes).then(() => planar.reuse(bytes))]);
+    await send_all([socket!.send(drawn, bytes).then(() => planar.reuse(bytes))]);
     drawn = -1;
   };
   for (let i = 0; i < settings.count; i++) {
@@ -125,14 +127,14 @@ async function draw_all(engine: Engine, settings: Settings, access: Access): Pro
       const picture = sums ? draw_flat(flat, pixels) : canvas;
       const blob = await new Promise<Blob | null>((done) => picture.toBlob(done, 'image/png'));
       if (!blob) throw new Error('The browser cannot write PNG pictures of this size.');
-      sending.push(send(i, 'png', blob));
+      sending.push(send_png(i, blob));
     }
     if (planar) {
       drawn = i;
       gl.flush();
     } else if (settings.raw !== '') {
       if (settings.transparent) straighten(pixels);
-      sending.push(send(i, 'raw', pixels));
+      sending.push(socket!.send(i, pixels));
     }
     if (sending.length > 0) await send_all(sending);
   }

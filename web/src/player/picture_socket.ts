@@ -1,0 +1,38 @@
+/** Sends the pixels of pictures to the program, by WebSocket. */
+import type { Access } from '../core/access';
+
+const piece = 512 * 1024; // bytes of a message: the browser has memory for blocks up to 1 MB at hand, larger ones are new each time
+
+export interface PictureSocket {
+  /** Sends a picture. The pixels may be changed afterwards. @return promise that the program has processed the picture */
+  send(number: number, pixels: Uint8Array<ArrayBuffer>): Promise<void>;
+}
+
+/** Connects to the program that served this page. */
+export async function open_picture_socket(access: Access): Promise<PictureSocket> {
+  const socket = new WebSocket(`${location.origin.replace(/^http/, 'ws')}/ws`, access.subprotocols);
+  const lost = (): Error => new Error('The program does not answer.');
+  await new Promise((done, failed) => {
+    socket.addEventListener('open', done);
+    socket.addEventListener('error', () => failed(lost()));
+  });
+  const waiting = new Map<number, { done: () => void; failed: (error: Error) => void }>();
+  socket.addEventListener('message', (event: MessageEvent<string>) => {
+    const number = Number(event.data);
+    waiting.get(number)?.done();
+    waiting.delete(number);
+  });
+  socket.addEventListener('close', () => {
+    for (const { failed } of waiting.values()) failed(lost());
+    waiting.clear();
+  });
+  return {
+    send: (number, pixels) =>
+      new Promise((done, failed) => {
+        if (socket.readyState !== WebSocket.OPEN) return failed(lost());
+        waiting.set(number, { done, failed });
+        socket.send(String(number));
+        for (let at = 0; at < pixels.length; at += piece) socket.send(pixels.subarray(at, at + piece));
+      }),
+  };
+}
