@@ -11,18 +11,19 @@ const visible = 0.6;
 const is_strong = 'bool is_strong(float at) { return abs(at - 5.0 * floor(at / 5.0 + 0.5)) < 0.5; }';
 
 const vertex_shader = `
-uniform vec2 u_focus, u_viewport;
+uniform vec2 u_focus;
+uniform vec4 u_viewport; // left, bottom, width and height, px
 uniform float u_reach;
 uniform int u_lines;
-varying vec2 v_world;
+flat varying mat3 v_to_floor; // from a point (x, y, 1) of the picture, px, to the floor relative to the focus, homogeneous
 flat varying int v_axis; // 0: lines of equal x, 1: lines of equal y
 flat varying float v_at; // that x or y, m
 
 ${is_strong}
 // Width of a pixel along x and along y at the point p (m) of the floor with the clip coordinates c, m: sums of the absolute derivatives, as fwidth().
 vec2 pixel_width(vec4 c, mat4 to_clip) {
-  vec2 along_x = 0.5 * u_viewport * (to_clip[0].xy * c.w - c.xy * to_clip[0].w);
-  vec2 along_y = 0.5 * u_viewport * (to_clip[1].xy * c.w - c.xy * to_clip[1].w);
+  vec2 along_x = 0.5 * u_viewport.zw * (to_clip[0].xy * c.w - c.xy * to_clip[0].w);
+  vec2 along_y = 0.5 * u_viewport.zw * (to_clip[1].xy * c.w - c.xy * to_clip[1].w);
   float area = abs(along_x.x * along_y.y - along_x.y * along_y.x);
   vec2 sums = vec2(abs(along_y.x) + abs(along_y.y), abs(along_x.x) + abs(along_x.y));
   return sums * (c.w * c.w / max(area, 1e-12));
@@ -39,12 +40,15 @@ void main() {
   if (v_axis == 1) p = p.yx;
   mat4 to_clip = projectionMatrix * viewMatrix;
   vec2 widths = pixel_width(to_clip * vec4(p, 0.0, 1.0), to_clip);
-  // Lines fade out where a pixel is wider than their distance allows, so their strips need not be wider.
+  // Half a pixel wider than the line, so that the strip covers all samples of its pixels. Lines fade out where a pixel is wider than their
+  // distance allows, so their strips need not be wider.
   float pixel = v_axis == 0 ? widths.x : widths.y;
-  float reach = v_at == 0.0 ? 1.5 * min(pixel, 20.0) : is_strong(v_at) ? 1.35 * min(pixel, 1.75) : 1.15 * min(pixel, 0.35);
+  float reach = v_at == 0.0 ? 2.0 * min(pixel, 20.0) : is_strong(v_at) ? 1.8 * min(pixel, 1.75) : 1.6 * min(pixel, 0.35);
   if (v_axis == 0) p.x += reach * position.y;
   else p.y += reach * position.y;
-  v_world = p;
+  mat3 to_picture = mat3(to_clip[0].xyw, to_clip[1].xyw, to_clip[0].xyw * u_focus.x + to_clip[1].xyw * u_focus.y + to_clip[3].xyw);
+  vec2 scale = 2.0 / u_viewport.zw;
+  v_to_floor = inverse(to_picture) * mat3(scale.x, 0.0, 0.0, 0.0, scale.y, 0.0, -1.0 - scale * u_viewport.xy, 1.0);
   gl_Position = to_clip * vec4(p, 0.0, 1.0);
 }`;
 
@@ -52,7 +56,7 @@ const fragment_shader = `
 uniform vec2 u_focus;
 uniform vec3 u_background, u_line;
 uniform float u_reach, u_strength;
-varying vec2 v_world;
+flat varying mat3 v_to_floor;
 flat varying int v_axis;
 flat varying float v_at;
 ${is_strong}
@@ -65,16 +69,19 @@ vec2 covered(vec2 p, vec2 p_width, float per_m, float pixels) {
 }
 
 void main() {
-  vec2 p = v_world;
-  vec2 w = fwidth(p);
-  float away = length(p - u_focus);
+  // not interpolated between the corners: these are rounded to a fraction of a pixel, which would shift the lines visibly
+  vec3 point = v_to_floor * vec3(gl_FragCoord.xy, 1.0);
+  vec2 from_focus = point.xy / point.z;
+  vec2 p = u_focus + from_focus;
+  vec2 w = fwidth(from_focus);
+  float away = length(from_focus);
   float strength = u_strength * (1.0 - smoothstep(0.15 * u_reach, ${visible} * u_reach, away));
   vec2 weak = covered(p, w, 1.0, 0.55);
   vec2 strong = covered(p, w, 0.2, 0.75);
   // of the lines of this direction only the own one, because strips can overlap
   float across = v_axis == 0 ? p.x : p.y;
   float own_weak = abs(across - v_at) < 0.5 ? (v_axis == 0 ? weak.x : weak.y) : 0.0;
-  float own_strong = is_strong(v_at) ? (v_axis == 0 ? strong.x : strong.y) : 0.0;
+  float own_strong = is_strong(v_at) && abs(across - v_at) < 2.5 ? (v_axis == 0 ? strong.x : strong.y) : 0.0;
   float lines = strength * (0.6 * own_weak + 0.4 * own_strong);
   if (v_axis == 1) { // a crossing is as bright as the brighter line: only what the lines of equal x have not drawn
     float drawn = strength * (0.6 * weak.x + 0.4 * strong.x);
@@ -112,7 +119,7 @@ export class FloorLines {
 
   /** @param uniforms of the floor, which the lines share: u_focus, u_reach, u_strength, u_line, u_background */
   constructor(uniforms: Record<string, THREE.IUniform>) {
-    const own = { u_viewport: { value: new THREE.Vector2(1, 1) }, u_lines: { value: 0 } };
+    const own = { u_viewport: { value: new THREE.Vector4(0, 0, 1, 1) }, u_lines: { value: 0 } };
     const material = new THREE.ShaderMaterial({
       uniforms: Object.assign(own, uniforms),
       vertexShader: vertex_shader,
@@ -133,10 +140,8 @@ export class FloorLines {
     this.mesh = new THREE.Mesh(strip(), material);
     this.mesh.frustumCulled = false;
     this.mesh.renderOrder = -1; // before everything else that is transparent
-    const viewport = new THREE.Vector4();
     this.mesh.onBeforeRender = (renderer) => {
-      renderer.getCurrentViewport(viewport);
-      own.u_viewport.value.set(viewport.z, viewport.w);
+      renderer.getCurrentViewport(own.u_viewport.value);
       material.uniformsNeedUpdate = true;
     };
   }
