@@ -87,26 +87,53 @@ TEST(AnimalFloor, IsTheLevelOfThePawsOfTheStandingAnimal) {
   }
 }
 
-TEST(AnimalFloor, ATailBelowThePawsDoesNotLiftTheAnimal) {
+/// Only the frames in which the dog stands.
+MeasuredMotion standing_dog() {
   MeasuredMotion dog = lying_dog(-0.1);
   dog.frames = standing_frames;
   dog.translations.resize(static_cast<std::size_t>(dog.frames) * dog.skeleton.joints.size());
   dog.rotations.resize(dog.translations.size());
-  for (SkeletonJoint& j : dog.skeleton.joints)
-    if (j.name == "Tail") j.end_sites = {{-0.1, 0, -0.52}};  // 6 cm below the paws
+  return dog;
+}
+
+/// Expects all paws of an animal on the floor in the first frame.
+void expect_paws_on_floor(const MeasuredMotion& dog) {
   const auto body = make_body(dog);
   ASSERT_TRUE(body) << body.error().text();
   ASSERT_EQ(body->anatomy.plan, "four legs");
   const Motion motion = to_motion(*body, dog);
   std::vector<Pose> X(static_cast<std::size_t>(body->mechanism->link_count()));
   calc_poses(*body->mechanism, {motion.frame(0), static_cast<std::size_t>(motion.nq)}, X);
+  int paws = 0;
   for (std::size_t i = 0; i < X.size(); ++i) {
     const Link& link = body->mechanism->link(static_cast<int>(i));
     if (!link.label.starts_with("paw") && !link.label.starts_with("hock") && !link.label.starts_with("carpus")) continue;
     double low = 1e300;
     for (const SupportPoint& p : support_points(link)) low = std::min(low, (X[i] * p.p).z - p.radius);
     EXPECT_NEAR(low, 0, 0.02) << link.label;
+    ++paws;
   }
+  EXPECT_EQ(paws, 4);
+}
+
+TEST(AnimalFloor, ATailBelowThePawsDoesNotLiftTheAnimal) {
+  MeasuredMotion dog = standing_dog();
+  for (SkeletonJoint& j : dog.skeleton.joints)
+    if (j.name == "Tail") j.end_sites = {{-0.1, 0, -0.52}};  // 6 cm below the paws
+  expect_paws_on_floor(dog);
+}
+
+// The fore limbs have no joint below the carpus, 11 cm above the floor.
+TEST(AnimalFloor, PawsWithoutAJointBelowTheAnkleReachTheFloor) {
+  MeasuredMotion dog = standing_dog();
+  const std::size_t n = dog.skeleton.joints.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::string& name = dog.skeleton.joints[i].name;
+    if (!name.starts_with("FrontPaw") && !name.starts_with("FrontLower")) continue;
+    dog.skeleton.joints[i].offset.z += 0.055;
+    for (std::size_t f = 0; f < static_cast<std::size_t>(dog.frames); ++f) dog.translations[f * n + i].z += 0.055;
+  }
+  expect_paws_on_floor(dog);
 }
 
 TEST(AnimalFloor, AnAnimalThatHardlyStandsCountsInAllFrames) {

@@ -87,16 +87,23 @@ TEST(LimbEnds, LimbsOfTwoBonesOnJointsThatDoNotTurnAreComplete) {
     for (const body::Limb& l : *limbs) EXPECT_GE(l.end, 0);
 }
 
-TEST(LimbEnds, EndsFromTheMeshStayOnThePawsOfARecognisedAnimal) {
+/// An animal with limbs of three bones. @param end end [m] of the bone of a paw, as a function of: fore limb, left side
+template <class End>
+std::vector<Bone> animal(const End& end) {
   std::vector<Bone> bones = spine();
   for (const bool fore : {true, false})
-    for (const auto& [side, y] : {std::pair(std::string(".L"), 0.2), {".R", -0.2}}) {
+    for (const bool left : {true, false}) {
+      const std::string name = fore ? "Front" : "Back", side = left ? ".L" : ".R";
       const int upper = static_cast<int>(bones.size());
-      bones.push_back({(fore ? "FrontUpperLeg" : "BackUpperLeg") + side, fore ? 1 : 0, {0, y, -0.1}, {}});
-      bones.push_back({(fore ? "FrontLowerLeg" : "BackLowerLeg") + side, upper, {0, 0, -0.35}, {}});
-      bones.push_back({(fore ? "FrontPaw" : "BackPaw") + side, upper + 1, {0, 0, -0.3}, {!fore && y > 0 ? 0.1 : 0.05, 0, -0.05}});
+      bones.push_back({name + "UpperLeg" + side, fore ? 1 : 0, {0, left ? 0.2 : -0.2, -0.1}, {}});
+      bones.push_back({name + "LowerLeg" + side, upper, {0, 0, -0.35}, {}});
+      bones.push_back({name + "Paw" + side, upper + 1, {0, 0, -0.3}, end(fore, left)});
     }
-  std::vector<MeasuredMotion> motions = {moving(bones)};
+  return bones;
+}
+
+TEST(LimbEnds, EndsFromTheMeshStayOnThePawsOfARecognisedAnimal) {
+  std::vector<MeasuredMotion> motions = {moving(animal([](bool fore, bool left) { return Vec3{!fore && left ? 0.1 : 0.05, 0, -0.05}; }))};
   std::vector<std::string> report;
   ASSERT_EQ(arrange(motions, report, nullptr, true).plan, body::BodyPlan::four_legs);
   EXPECT_TRUE(report.empty());
@@ -107,19 +114,37 @@ TEST(LimbEnds, EndsFromTheMeshStayOnThePawsOfARecognisedAnimal) {
 
 TEST(LimbEnds, EndsFromTheMeshThatLiftTheOtherPairOfPawsAreLeftOut) {
   for (const double length : {0.05, 0.5}) {
-    std::vector<Bone> bones = spine();
-    for (const bool fore : {true, false})
-      for (const auto& [side, y] : {std::pair(std::string(".L"), 0.2), {".R", -0.2}}) {
-        const int upper = static_cast<int>(bones.size());
-        bones.push_back({(fore ? "FrontUpperLeg" : "BackUpperLeg") + side, fore ? 1 : 0, {0, y, -0.1}, {}});
-        bones.push_back({(fore ? "FrontLowerLeg" : "BackLowerLeg") + side, upper, {0, 0, -0.35}, {}});
-        bones.push_back({(fore ? "FrontPaw" : "BackPaw") + side, upper + 1, {0, 0, -0.3}, {0.05, 0, fore ? -0.05 : -length}});
-      }
-    std::vector<MeasuredMotion> motions = {moving(bones)};
+    std::vector<MeasuredMotion> motions = {moving(animal([&](bool fore, bool) { return Vec3{0.05, 0, fore ? -0.05 : -length}; }))};
     std::vector<std::string> report;
     ASSERT_EQ(arrange(motions, report, nullptr, true).plan, body::BodyPlan::four_legs);
     for (const SkeletonJoint& j : motions[0].skeleton.joints)
       if (j.name.find("Paw") != std::string::npos) EXPECT_EQ(j.end_sites.size(), length < 0.1 ? 1U : 0U) << j.name;
+  }
+}
+
+// The root of many rigs of games is on the floor or above the animal.
+TEST(HipRoot, IsBetweenTheHips) {
+  for (const Vec3& root : {Vec3{0, 0, -0.8}, Vec3{0.2, 0, 1.5}, Vec3{0.1, 0, 0}}) {
+    std::vector<Bone> bones = animal([](bool, bool) { return Vec3{0.05, 0, -0.05}; });
+    bones[0].offset += root;
+    for (Bone& b : bones)
+      if (b.parent == 0) b.offset -= root;
+    const bool far = norm(root) > 0.5;
+    std::vector<MeasuredMotion> motions = {moving(bones)};
+    for (std::size_t f = 0; f < 40; ++f) motions[0].rotations[f * bones.size()] = axis_angle({0, 0, 1}, 0.02 * static_cast<double>(f));
+    const MeasuredMotion before = motions[0];
+    std::vector<std::string> report;
+    const body::Character c = arrange(motions, report);
+    ASSERT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not;
+    EXPECT_EQ(report.size(), far ? 1U : 0U);
+    std::vector<Pose> X, Y;
+    for (const int f : {0, 25}) {
+      before.calc_joint_poses(f, X);
+      motions[0].calc_joint_poses(f, Y);
+      EXPECT_NEAR(norm((Y[0].p - (Y[5 + 6].p + Y[5 + 9].p) * 0.5)), far ? 0 : 0.14, far ? 1e-9 : 0.05) << "hips";
+      for (std::size_t i = 1; i < X.size(); ++i) EXPECT_NEAR(norm(X[i].p - Y[i].p), 0, 1e-12) << bones[i].name;
+      EXPECT_NEAR(norm(rest_positions(before.skeleton)[7] - rest_positions(motions[0].skeleton)[7]), 0, 1e-12);
+    }
   }
 }
 
@@ -312,13 +337,18 @@ std::vector<Bone> long_legged(bool level, double knee) {
 
 // Nothing but the ground under the limbs distinguishes them: neither names nor tails, and the legs have the length of human legs.
 TEST(FourLegs, ALongLeggedAnimalOnFourLimbsIsNoPerson) {
-  for (const auto& [level, knee, plan] : {std::tuple{true, 0.1, body::BodyPlan::four_legs},
-                                          {true, 1.5, body::BodyPlan::human},  // crawls
-                                          {false, 0.1, body::BodyPlan::human}}) {
-    std::vector<MeasuredMotion> motions = {moving(long_legged(level, knee))};
+  for (const auto& [level, knee, tail, plan] : {std::tuple{true, 0.1, false, body::BodyPlan::four_legs},
+                                                {true, 1.5, false, body::BodyPlan::human},     // crawls
+                                                {true, 1.5, true, body::BodyPlan::four_legs},  // lies
+                                                {false, 0.1, false, body::BodyPlan::human},
+                                                {false, 0.1, true, body::BodyPlan::human}}) {
+    std::vector<Bone> bones = long_legged(level, knee);
+    if (tail)
+      bones.insert(bones.end(), {{"B15", 0, {-0.2, 0, 0.1}, {}}, {"B16", static_cast<int>(bones.size()), {-0.2, 0, 0}, {-0.1, 0, 0}}});
+    std::vector<MeasuredMotion> motions = {moving(bones)};
     std::vector<std::string> report;
     const body::Character c = arrange(motions, report);
-    EXPECT_EQ(c.plan, plan) << level << " " << knee << " " << c.why_not << (c.decisions.empty() ? "" : c.decisions.back());
+    EXPECT_EQ(c.plan, plan) << level << " " << knee << " " << tail << " " << c.why_not << (c.decisions.empty() ? "" : c.decisions.back());
   }
 }
 
@@ -392,8 +422,9 @@ TEST(FourLegs, LimbsBeginBelowTransformsAtOnePlace) {
   EXPECT_NEAR(c.trunk_length, 0.8, 0.05);
 }
 
-// All limbs have one joint. The tail is named in another language; one paw has a second joint without an end at the same place.
-TEST(FourLegs, APawOfTwoJointsAtOnePlaceIsOneLimb) {
+/// An animal whose limbs all have one joint. The tail is named in another language; one paw has a second joint without an end at the same
+/// place.
+std::vector<Bone> fox() {
   std::vector<Bone> b = {{"Armature", -1, {}, {}},
                          {"Bone", 0, {0.35, 0, 0.4}, {}},
                          {"Bone.001", 1, {0, 0, 0.02}, {0.2, 0, 0.15}},
@@ -408,7 +439,11 @@ TEST(FourLegs, APawOfTwoJointsAtOnePlaceIsOneLimb) {
       b.push_back({name(), first + 1, {-0.02, 0.02 * side, -0.17}, {0.02, 0, -0.15}});
       if (fore < 0 && side < 0) b.push_back({name(), first + 1, {-0.02, 0.02 * side, -0.17}, {}});
     }
-  std::vector<MeasuredMotion> motions = {moving(b)};
+  return b;
+}
+
+TEST(FourLegs, APawOfTwoJointsAtOnePlaceIsOneLimb) {
+  std::vector<MeasuredMotion> motions = {moving(fox())};
   for (Quat& q : motions[0].rotations)
     q = axis_angle({0, 1, 0}, 0.5 * std::asin(q.y));  // a quarter of the swing: all paws touch the ground
   EXPECT_EQ(body::recognise_character(motions[0]).plan, body::BodyPlan::other);
@@ -419,6 +454,27 @@ TEST(FourLegs, APawOfTwoJointsAtOnePlaceIsOneLimb) {
   std::vector<Pose> X;
   motions[0].calc_joint_poses(0, X);
   EXPECT_GT(X[static_cast<std::size_t>(c.arms[0].proximal)].p.x, X[static_cast<std::size_t>(c.legs[0].proximal)].p.x);
+}
+
+// Half a stride: the left fore limb and the right hind limb are behind, the others in front.
+TEST(FourLegs, LimbsAreAPairAlsoIfOneIsInFront) {
+  const std::vector<Bone> b = fox();
+  std::vector<MeasuredMotion> motions = {moving(b)};
+  std::vector<int> limbs;  // first bones; left fore, right fore, left hind, right hind
+  for (std::size_t i = 5; i < b.size(); ++i)
+    if (b[i].parent == 1) limbs.push_back(static_cast<int>(i));
+  ASSERT_EQ(limbs.size(), 4U);
+  for (std::size_t f = 0; f < static_cast<std::size_t>(motions[0].frames); ++f)
+    for (std::size_t i = 0; i < b.size(); ++i) {
+      const auto limb = std::ranges::find(limbs, b[i].parent);
+      const bool behind = limb == limbs.begin() || limb == limbs.end() - 1;
+      const double angle = limb == limbs.end() ? 0 : (behind ? 0.6 : -0.6) + 0.1 * std::sin(0.3 * static_cast<double>(f));
+      motions[0].rotations[f * b.size() + i] = axis_angle({0, 1, 0}, angle);
+    }
+  std::vector<std::string> report;
+  const body::Character c = arrange(motions, report);
+  ASSERT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not << (c.decisions.empty() ? "" : c.decisions.back());
+  EXPECT_NEAR(c.trunk_length, 0.65, 0.1);
 }
 
 // Parts have the names of human ones, and the legs the length of human legs. Names of front and rear, or a tail, state the animal.

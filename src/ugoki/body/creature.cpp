@@ -266,7 +266,9 @@ class Maker {
     floor_ = floor;
     for (const End& e : ends) {
       const double gap = e.level - e.radius - floor;
-      if (gap < 1e-4 * size_ || gap > 0.12 * out_.height) continue;
+      // The last joint of a paw can be an ankle: many rigs have no joint below it.
+      const double longest = four_legs() && is_paw(e.joint) ? 0.2 : 0.12;
+      if (gap < 1e-4 * size_ || gap > longest * out_.height) continue;
       link(e.link).shapes.push_back(Shape::capsule(e.radius, e.tip, e.tip - e.up * gap));
     }
   }

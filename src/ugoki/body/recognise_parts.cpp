@@ -97,7 +97,7 @@ void Recogniser::decide_plan() {
   double animal_names = 0;
   for (int i = 0; i < n_; ++i) animal_names += name(i).paw || name(i).hind || name(i).fore ? 1 : 0;
   double animal = 0;
-  animal += upright < 0.5 ? 1 : upright < 0.7 ? 0.4 : -1;
+  animal += upright < 0.25 ? 1.3 : upright < 0.5 ? 1 : upright < 0.7 ? 0.4 : -1;
   animal += ratio < 0.95 ? 1 : ratio < 1.2 ? 0.4 : -1;
   double wings = 0;
   for (const Limb& l : f_.arms)

@@ -12,6 +12,7 @@
 #include "ugoki/intake/correction.h"
 #include "ugoki/intake/deform_bones.h"
 #include "ugoki/intake/four_legs.h"
+#include "ugoki/intake/hip_root.h"
 #include "ugoki/intake/join_branches.h"
 #include "ugoki/intake/limb_ends.h"
 #include "ugoki/intake/paw_ends.h"
@@ -518,10 +519,9 @@ body::Character arrange_joints(std::span<MeasuredMotion> motions, std::vector<st
   return body::recognise_character(*longest, mapping);
 }
 
-}  // namespace
-
-body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
-                        bool mesh_ends) {
+/// As arrange(); the root can be far from the hips.
+body::Character arrange_with_paws(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
+                                  bool mesh_ends) {
   Skeleton with_ends;
   if (mesh_ends) with_ends = motions[0].skeleton;
   body::Character character = arrange_joints(motions, report, mapping, mesh_ends);
@@ -534,6 +534,23 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
   body::Character again = body::recognise_character(*longest, mapping);
   if (again.plan != body::BodyPlan::four_legs || !same_sections(again, character)) return character;
   std::ranges::move(ended, motions.begin());
+  return again;
+}
+
+}  // namespace
+
+body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
+                        bool mesh_ends) {
+  body::Character character = arrange_with_paws(motions, report, mapping, mesh_ends);
+  if (character.plan != body::BodyPlan::four_legs) return character;
+  std::vector<MeasuredMotion> moved(motions.begin(), motions.end());
+  std::string change = move_root_to_hips(moved, character);
+  if (change.empty()) return character;
+  const auto longest = std::ranges::max_element(moved, {}, &MeasuredMotion::frames);
+  body::Character again = body::recognise_character(*longest, mapping);
+  if (again.plan != character.plan) return character;
+  std::ranges::move(moved, motions.begin());
+  report.push_back(std::move(change));
   return again;
 }
 

@@ -258,13 +258,48 @@ class FourLegs {
       front_named_ = true;
       return true;
     }
-    // By symmetry: the vectors between the limbs of the pairs are equal, and at right angles to the vector between the pairs.
     const int frame = common(common(parent(tops_[0]), parent(tops_[1])), common(parent(tops_[2]), parent(tops_[3])));
     if (frame < 0) return false;
-    std::array<Vec3, 4> p;
-    for (std::size_t k = 0; k < 4; ++k) p[k] = mean_in(frame, [&](const std::vector<Pose>& X) { return middle_of(X, tops_[k]); });
+    std::array<Vec3, 4> middles, begins;
+    for (std::size_t k = 0; k < 4; ++k) {
+      middles[k] = mean_in(frame, [&](const std::vector<Pose>& X) { return middle_of(X, tops_[k]); });
+      begins[k] = mean_in(frame, begin_of(tops_[k]));
+    }
+    // A short motion can show the limbs of one side in front, but not their beginnings.
+    std::optional<std::array<std::size_t, 4>> order = symmetric_order(middles);
+    const std::array<Vec3, 4>& p = order ? middles : begins;
+    if (!order) order = symmetric_order(begins);
+    if (!order) return false;
+    const std::array<std::size_t, 4>& o = *order;
+    fore_ = {tops_[o[0]], tops_[o[1]]};
+    hind_ = {tops_[o[2]], tops_[o[3]]};
+    if (const std::optional<Vec3> front = front_point(frame); front) {
+      const Vec3 first = (p[o[0]] + p[o[1]]) * 0.5, second = (p[o[2]] + p[o[3]]) * 0.5;
+      if (dot(*front - (first + second) * 0.5, first - second) < 0) std::swap(fore_, hind_);
+    }
+    return true;
+  }
+
+  /// The joint at which a limb leaves the trunk: its second joint, if another limb begins at the place of the first.
+  [[nodiscard]] int begin_of(int top) const {
+    constexpr double same_place = 0.05;
+    const auto shared = [&](int other) { return other != top && norm(mean_in(top, other)) < same_place * extent_; };
+    if (std::ranges::none_of(tops_, shared)) return top;
+    int next = -1;
+    double longest = 0;
+    for (const int c : children_[at(top)])
+      if (const double length = norm(mean_in(top, [&](const std::vector<Pose>& X) { return middle_of(X, c); })); length > longest) {
+        longest = length;
+        next = c;
+      }
+    return next < 0 ? top : next;
+  }
+
+  /// Order of four points in which the first two and the last two are symmetric pairs: the vectors between the points of the pairs are
+  /// equal, and at right angles to the vector between the pairs. std::nullopt: they form no such pairs
+  [[nodiscard]] static std::optional<std::array<std::size_t, 4>> symmetric_order(const std::array<Vec3, 4>& p) {
     double best = 0.5;  // sum of the cosines and of the difference of lengths; 0: symmetric
-    std::array<std::size_t, 4> order{};
+    std::optional<std::array<std::size_t, 4>> order;
     for (const std::array<std::size_t, 4>& o : {std::array<std::size_t, 4>{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 3, 1, 2}}) {
       const Vec3 a = p[o[0]] - p[o[1]], b = p[o[2]] - p[o[3]], along = (p[o[0]] + p[o[1]] - p[o[2]] - p[o[3]]) * 0.5;
       if (norm(a) < 1e-9 || norm(b) < 1e-9 || norm(along) < 1e-9) continue;
@@ -276,14 +311,7 @@ class FourLegs {
         order = o;
       }
     }
-    if (best >= 0.5) return false;
-    fore_ = {tops_[order[0]], tops_[order[1]]};
-    hind_ = {tops_[order[2]], tops_[order[3]]};
-    if (const std::optional<Vec3> front = front_point(frame); front) {
-      const Vec3 first = (p[order[0]] + p[order[1]]) * 0.5, second = (p[order[2]] + p[order[3]]) * 0.5;
-      if (dot(*front - (first + second) * 0.5, first - second) < 0) std::swap(fore_, hind_);
-    }
-    return true;
+    return order;
   }
 
   /// A point in front of the animal, in the frame of joint a: its head by name, else opposite to its tail, else the highest joint that is
@@ -348,7 +376,8 @@ class FourLegs {
     for (const int c : children_[at(hips_)]) {
       const bool limb = c == fore_[0] || c == fore_[1];
       const bool in_front = c != hind_[0] && c != hind_[1] && !evidence_[at(c)].tail &&
-                            (carries_head(c) || carries_only_fore_limbs(c) || dot(mean_in(hips_, c) - (front + back) * 0.5, along) > 0.25 * dot(along, along));
+                            (carries_head(c) || carries_only_fore_limbs(c) ||
+                             dot(mean_in(hips_, c) - (front + back) * 0.5, along) > 0.25 * dot(along, along));
       if (!limb && !in_front) continue;
       new_parent[at(c)] = place;
       names.push_back(s_.joints[at(c)].name);
