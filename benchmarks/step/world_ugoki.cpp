@@ -1,5 +1,4 @@
-// Ugoki's simulation step, computed like the LSIs of collision analysis and of dynamics (src/ugoki/lsi/collision_lsi.cpp,
-// dynamics_lsi.cpp).
+// Ugoki's simulation step, computed like world::WorldStepper (src/ugoki/world/world.cpp).
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +6,9 @@
 
 #include "source.h"
 #include "ugoki/collision/scene.h"
+#include "ugoki/contact/contact_search.h"
 #include "ugoki/contact/guarded_step.h"
 #include "ugoki/contact/stepper.h"
-#include "ugoki/contact/swept_contacts.h"
 
 namespace ugoki::benchmarks {
 namespace {
@@ -22,8 +21,8 @@ class UgokiWorld final : public StepWorld {
       : source_(source),
         ground_{.height = 0, .friction = source.friction, .restitution = 0},
         scene_(source.mechanisms, ground_, {.self_collision = true}),
-        workspace_(scene_),
-        swept_(scene_),
+        shared_(scene_.systems()),
+        search_(scene_, margin),
         stepper_(source.mechanisms, {.gravity = {0, 0, -source.gravity}}),
         guard_scene_(source.mechanisms, ground_),
         guard_(guard_scene_, stepper_),
@@ -32,7 +31,6 @@ class UgokiWorld final : public StepWorld {
     for (std::size_t s = 0; s < states_.size(); ++s) {
       const Mechanism& m = *source.mechanisms[s];
       poses_.emplace_back(static_cast<std::size_t>(m.link_count()));
-      reach_.push_back(0);
       gains_.emplace_back();
       targets_.emplace_back();
       if (source.servo_gain > 0) {
@@ -43,24 +41,17 @@ class UgokiWorld final : public StepWorld {
         if (m.link(m.link_of_dof(i)).joint.type == JointType::revolute)
           gains_.back()[static_cast<std::size_t>(i)] = source.servo_damping + source.dt * source.servo_gain;
     }
-    for (const collision::SceneShape& shape : scene_.shapes()) {
-      const Mechanism& m = *source.mechanisms[static_cast<std::size_t>(shape.system)];
-      double& reach = reach_[static_cast<std::size_t>(shape.system)];
-      if (m.link_count() == 1) reach = std::max(reach, norm(shape.shape.X_BS.p) + shape.reach);
-    }
     for (std::size_t s = 0; s < states_.size(); ++s) {
       State& x = states_[s];
-      views_.emplace_back(poses_[s]);
       motions_.push_back({x.q, x.v});
       systems_.push_back({x.q, x.v, x.tau, {}, gains_[s], targets_[s]});
     }
+    search_.set_shared_poses(&shared_);
+    guard_.set_shared_poses(&shared_);
   }
 
   void step() override {
-    for (std::size_t s = 0; s < states_.size(); ++s) calc_poses(*source_.mechanisms[s], states_[s].q, poses_[s]);
-    workspace_.forget();
-    collision::find_contacts(scene_, views_, margin, workspace_, contacts_);
-    if (is_fast()) swept_.add(motions_, views_, source_.dt, margin, contacts_);
+    contacts_ = &search_.find(motions_, source_.dt);
     if (source_.servo_gain > 0) update_servos();
     if (take_step().status != contact::StepStatus::ok) throw std::runtime_error("Ugoki: the step failed");
   }
@@ -87,10 +78,10 @@ class UgokiWorld final : public StepWorld {
   }
   [[nodiscard]] double depth() const override {
     double worst = 0;
-    for (const collision::ContactPoint& c : contacts_) worst = std::max(worst, -c.distance);
+    for (const collision::ContactPoint& c : *contacts_) worst = std::max(worst, -c.distance);
     return worst;
   }
-  [[nodiscard]] int contacts() const override { return static_cast<int>(contacts_.size()); }
+  [[nodiscard]] int contacts() const override { return static_cast<int>(contacts_->size()); }
   [[nodiscard]] int dofs() const override {
     int sum = 0;
     for (const MechanismPtr& m : source_.mechanisms) sum += m->nv();
@@ -103,19 +94,6 @@ class UgokiWorld final : public StepWorld {
   }
 
  private:
-  [[nodiscard]] bool is_fast() const {
-    const double limit = 0.5 * margin / source_.dt;
-    for (std::size_t s = 0; s < motions_.size(); ++s) {
-      const std::span<const double> v = motions_[s].v;
-      if (reach_[s] > 0) {
-        if (norm(Vec3{v[3], v[4], v[5]}) + norm(Vec3{v[0], v[1], v[2]}) * reach_[s] > limit) return true;
-      } else if (std::ranges::any_of(v, [limit](double x) { return std::fabs(x) > limit; })) {
-        return true;
-      }
-    }
-    return false;
-  }
-
   /// Implicit servos, with the velocity v' after the step: gain (target - v') = stiffness (0 - q - dt v') - damping v'.
   void update_servos() {
     for (std::size_t s = 0; s < states_.size(); ++s)
@@ -127,32 +105,30 @@ class UgokiWorld final : public StepWorld {
   }
 
   contact::StepReport take_step() {
-    if (contacts_.empty()) return stepper_.step(systems_, contacts_, source_.dt);
+    if (contacts_->empty()) return stepper_.step(systems_, *contacts_, source_.dt);
     std::ranges::fill(touches_itself_, char{0});
-    for (const collision::ContactPoint& c : contacts_)
+    for (const collision::ContactPoint& c : *contacts_)
       if (c.system_a >= 0 && c.system_a == c.system_b) touches_itself_[static_cast<std::size_t>(c.system_a)] = 1;
     for (std::size_t s = 0; s < systems_.size(); ++s) guard_scene_.set_self_collision(static_cast<int>(s), touches_itself_[s] != 0);
     guard_.forget();
-    return guard_.step(systems_, contacts_, source_.dt);
+    return guard_.step(systems_, *contacts_, source_.dt);
   }
 
   const StepSource& source_;
   collision::Ground ground_;
   collision::Scene scene_;
-  collision::Workspace workspace_;
-  contact::SweptContacts swept_;
+  contact::SharedPoses shared_;
+  contact::ContactSearch search_;
   contact::Stepper stepper_;
   collision::Scene guard_scene_;
   contact::GuardedStep guard_;
   std::vector<State> states_;
   std::vector<std::vector<Pose>> poses_;
-  std::vector<std::span<const Pose>> views_;
-  std::vector<double> reach_;                         // [bodies] m: reach of a free body's shapes; 0: linked body
   std::vector<std::vector<double>> gains_, targets_;  // [bodies][nv] of the servos; empty: none
   std::vector<collision::SystemMotion> motions_;
   std::vector<contact::StepSystem> systems_;
   std::vector<char> touches_itself_;
-  std::vector<collision::ContactPoint> contacts_;
+  std::vector<collision::ContactPoint>* contacts_ = nullptr;
 };
 
 }  // namespace

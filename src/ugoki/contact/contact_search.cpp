@@ -42,7 +42,12 @@ bool ContactSearch::is_fast(std::span<const collision::SystemMotion> systems, do
 }
 
 std::vector<collision::ContactPoint>& ContactSearch::find(std::span<const collision::SystemMotion> systems, double dt) {
-  parallel_for(executor_, systems.size(), [&](std::size_t s, int) { calc_poses(*scene_->systems()[s], systems[s].q, poses_[s]); });
+  parallel_for(executor_, systems.size(), [&](std::size_t s, int) {
+    if (shared_ != nullptr) views_[s] = shared_->find(s, systems[s].q);
+    if (shared_ != nullptr && !views_[s].empty()) return;
+    calc_poses(*scene_->systems()[s], systems[s].q, poses_[s]);
+    views_[s] = poses_[s];
+  });
   workspace_.forget();  // contacts must depend only on the state, so that a restored run gives the same bits
   collision::find_contacts(*scene_, views_, margin_, workspace_, contacts_);
   if (is_fast(systems, dt)) swept_.add(systems, views_, dt, margin_, contacts_);

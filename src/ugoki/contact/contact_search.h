@@ -6,6 +6,7 @@
 
 #include "ugoki/base/executor.h"
 #include "ugoki/collision/scene.h"
+#include "ugoki/contact/shared_poses.h"
 #include "ugoki/contact/swept_contacts.h"
 
 namespace ugoki::contact {
@@ -18,6 +19,9 @@ class ContactSearch {
 
   /// Computes poses on the threads of `executor`; null: on the calling thread. Scenes below min_parallel_dofs use the calling thread.
   void set_executor(Executor* executor);
+
+  /// Uses poses from `poses` where it has those of the same positions; null: computes all poses.
+  void set_shared_poses(SharedPoses* poses) { shared_ = poses; }
 
   /// Returns the contacts of a step of length dt [s]. The list is valid until the next call; the caller may change it.
   /// @param systems [systems of the scene] positions and velocities
@@ -34,6 +38,7 @@ class ContactSearch {
   SweptContacts swept_;
   std::vector<std::vector<Pose>> poses_;  // [systems][links]
   std::vector<std::span<const Pose>> views_;
+  SharedPoses* shared_ = nullptr;
   std::vector<double> reach_;  // [systems] free body: maximum distance of its shapes from its origin, m; otherwise 0
   std::vector<collision::ContactPoint> contacts_;
 };

@@ -51,7 +51,7 @@ constexpr std::uint64_t feature_mask = (1U << 24) - 1, first_feature = 0xf00000,
 }  // namespace
 
 GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const GuardOptions& options)
-    : scene_(&scene), stepper_(&stepper), options_(options), workspace_(scene), search_(scene), swept_(scene) {
+    : scene_(&scene), stepper_(&stepper), options_(options), workspace_(scene), search_(scene), swept_(scene), end_(scene.systems()) {
   UGOKI_CHECK(scene.systems().size() == static_cast<std::size_t>(stepper.system_count()));
   for (const MechanismPtr& m : scene.systems()) {
     const auto links = static_cast<std::size_t>(m->link_count());
@@ -59,15 +59,14 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
       states->q.emplace_back(static_cast<std::size_t>(m->nq()));
       states->v.emplace_back(static_cast<std::size_t>(m->nv()));
     }
-    end_.emplace_back(links);
     size_.resize(size_.size() + links);
   }
-  for (const auto& poses : end_) views_.emplace_back(poses);
+  for (const auto& poses : end_.X_WB) views_.emplace_back(poses);
   moved_.resize(views_.size());
   half_thickness_.assign(size_.size(), HUGE_VAL);
   motions_.resize(views_.size());
   first_link_ = {0};
-  for (const auto& poses : end_) first_link_.push_back(first_link_.back() + poses.size());
+  for (const auto& poses : end_.X_WB) first_link_.push_back(first_link_.back() + poses.size());
   for (const collision::SceneShape& s : scene.shapes()) {
     const std::size_t link = first_link_[static_cast<std::size_t>(s.system)] + static_cast<std::size_t>(s.link);
     size_[link] = std::max(size_[link], norm(s.shape.X_BS.p) + s.reach);
@@ -75,9 +74,15 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
     const double thickness = s.shape.type == ShapeType::mesh ? 0.5 * s.thickness : s.thickness;
     half_thickness_[link] = std::min(half_thickness_[link], thickness);
   }
-  for (const auto& poses : end_) speeds_.resize(std::max(speeds_.size(), poses.size()));
+  for (const auto& poses : end_.X_WB) speeds_.resize(std::max(speeds_.size(), poses.size()));
   for (auto* list : {&contacts_, &found_, &near_, &all_contacts_}) list->reserve(12 * scene.shapes().size() + 64);
   forces_.reserve(12 * scene.shapes().size() + 64);
+}
+
+/// Calculates the poses of one system at the end of the pass.
+void GuardedStep::set_end(std::size_t s, std::span<const double> q) {
+  calc_poses(stepper_->mechanism(static_cast<int>(s)), q, end_.X_WB[s]);
+  std::ranges::copy(q, end_.q[s].begin());
 }
 
 /// Calculates the poses at the end of the pass, and marks in moved_ the systems whose end positions must be checked for overlaps.
@@ -89,11 +94,11 @@ void GuardedStep::update_end_poses(std::span<const StepSystem> systems) {
       return;
     }
     const std::span<const Pose> begin = stepper_->workspace(static_cast<int>(s)).X_WB;
-    calc_poses(stepper_->mechanism(static_cast<int>(s)), systems[s].q, end_[s]);
+    set_end(s, systems[s].q);
     double motion = 0;
-    for (std::size_t i = 0; i < end_[s].size(); ++i, ++size) {
+    for (std::size_t i = 0; i < end_.X_WB[s].size(); ++i, ++size) {
       constexpr double inv_sqrt2 = 0.7071067811865476;  // |T - R| / sqrt(2): distance that a point at unit distance from the axis moves.
-      motion = std::max(motion, norm(end_[s][i].p - begin[i].p) + inv_sqrt2 * turn_between(begin[i].R, end_[s][i].R) * *size);
+      motion = std::max(motion, norm(end_.X_WB[s][i].p - begin[i].p) + inv_sqrt2 * turn_between(begin[i].R, end_.X_WB[s][i].R) * *size);
     }
     moved_[s] = motion > options_.depth ? 1 : 0;
   });
@@ -130,7 +135,7 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
       const int at = side == 0 ? c.system_a : c.system_b, link = side == 0 ? c.link_a : c.link_b;
       if (at < 0) continue;
       const auto l = static_cast<std::size_t>(link);
-      const Pose &now = stepper_->workspace(at).X_WB[l], &end = end_[static_cast<std::size_t>(at)][l];
+      const Pose &now = stepper_->workspace(at).X_WB[l], &end = end_.X_WB[static_cast<std::size_t>(at)][l];
       const double turn = turn_between(now.R, end.R);
       if (turn <= turned) continue;
       turned = turn;
@@ -195,7 +200,7 @@ StepReport GuardedStep::step_whole(std::span<StepSystem> systems, std::span<cons
     if (passes_ == 1) {
       for (std::size_t s = 0; s < systems.size(); ++s) views_[s] = stepper_->workspace(static_cast<int>(s)).X_WB;
       collision::begin_from(*scene_, views_, contacts, workspace_);
-      for (std::size_t s = 0; s < systems.size(); ++s) views_[s] = end_[s];
+      for (std::size_t s = 0; s < systems.size(); ++s) views_[s] = end_.X_WB[s];
     }
     update_end_poses(systems);
     if (!add_overlaps(contacts, dt)) return report;
@@ -232,7 +237,7 @@ double GuardedStep::find_passage(std::span<const StepSystem> systems, double dt)
 /// Sets near_ to the contacts of the present positions and to those that fast bodies reach within dt.
 void GuardedStep::find_contacts(std::span<const StepSystem> systems, double dt) {
   for (std::size_t s = 0; s < systems.size(); ++s) {
-    calc_poses(stepper_->mechanism(static_cast<int>(s)), systems[s].q, end_[s]);
+    set_end(s, systems[s].q);
     motions_[s] = {systems[s].q, systems[s].v};
   }
   collision::find_contacts(*scene_, views_, options_.margin, workspace_, near_);
@@ -298,6 +303,11 @@ StepReport GuardedStep::step_in_substeps(std::span<StepSystem> systems, std::spa
   return sum;
 }
 
+/// Gives the poses at the end of the step to shared_. Belongs at the end of a step: it exchanges the memory of end_.
+void GuardedStep::share_end() {
+  if (shared_ != nullptr) shared_->exchange(end_);
+}
+
 StepReport GuardedStep::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
   stepper_->limit_newton(max_newton_operations);
   search_.limit_work(max_distances + max_distances_of_shape * static_cast<std::int64_t>(scene_->shapes().size()));
@@ -306,8 +316,11 @@ StepReport GuardedStep::step(std::span<StepSystem> systems, std::span<const coll
   if (report.status == StepStatus::ok && (depth_ > too_deep || find_passage(systems, dt) < dt)) {
     attempt_begin_.restore(systems);
     std::swap(attempt_begin_, step_begin_);
-    return step_in_substeps(systems, contacts, dt);
+    report = step_in_substeps(systems, contacts, dt);
+    if (report.status == StepStatus::ok) share_end();
+    return report;
   }
+  if (report.status == StepStatus::ok) share_end();
   all_contacts_.assign(contacts_.begin(), contacts_.end());
   std::ranges::copy(contacts, all_contacts_.begin());  // the given distances, without resting_gap
   forces_.assign(stepper_->contact_forces().begin(), stepper_->contact_forces().end());

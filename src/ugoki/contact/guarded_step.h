@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "ugoki/collision/scene.h"
+#include "ugoki/contact/shared_poses.h"
 #include "ugoki/contact/stepper.h"
 #include "ugoki/contact/swept_contacts.h"
 
@@ -40,6 +41,9 @@ class GuardedStep {
   /// Advances all systems by dt [s], like Stepper::step(). On failure q and v keep their values from before the step.
   /// Allocates nothing after warm-up, unless the number of contacts grows.
   StepReport step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
+
+  /// After each step that does not fail, gives the poses at its end to `poses`; null: to nobody.
+  void set_shared_poses(SharedPoses* poses) { shared_ = poses; }
 
   /// Discards cached results of collision analysis, but keeps the memory. See collision::Workspace::forget().
   void forget() { workspace_.forget(); }
@@ -67,6 +71,8 @@ class GuardedStep {
   void add_forces(double fraction);
   [[nodiscard]] bool needs_gap(const collision::ContactPoint& c) const;
   [[nodiscard]] bool is_convex_pair(const collision::ContactPoint& c) const;
+  void share_end();
+  void set_end(std::size_t s, std::span<const double> q);
   void update_end_poses(std::span<const StepSystem> systems);
   bool add_overlaps(std::span<const collision::ContactPoint> given, double dt);
 
@@ -78,7 +84,8 @@ class GuardedStep {
   SweptContacts swept_;
   States attempt_begin_, step_begin_;  // states at the beginning of the present step or substep; of the complete step
   std::vector<collision::SystemMotion> motions_;
-  std::vector<std::vector<Pose>> end_;        // [systems][links] poses at the end of the step; stepper_ has those at its beginning
+  SharedPoses::Values end_;  // poses at the end of the step; stepper_ has those at its beginning
+  SharedPoses* shared_ = nullptr;
   std::vector<std::span<const Pose>> views_;  // views of the poses in end_
   std::vector<std::size_t> first_link_;       // [systems + 1] index in size_ of each system's first link
   std::vector<double> size_;                  // m [links of all systems] radius about the link's origin that contains all its shapes

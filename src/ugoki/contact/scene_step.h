@@ -13,6 +13,8 @@ class SceneStep {
  public:
   SceneStep(const std::vector<MechanismPtr>& systems, const collision::Ground& ground, const StepperOptions& options);
 
+  /// See GuardedStep::set_shared_poses().
+  void set_shared_poses(SharedPoses* poses) { guard_.set_shared_poses(poses); }
   /// Computes systems and islands on the threads of `executor`; null: on the calling thread. Both give the same bits.
   void set_executor(Executor* executor) { stepper_.set_executor(executor); }
 

@@ -107,6 +107,7 @@ class WorldStepper {
 
  private:
   const World* world_;
+  std::unique_ptr<contact::SharedPoses> poses_;  // from the end of a step to the search of the next one
   contact::ContactSearch search_;
   contact::SceneStep step_;
   std::vector<double> q_, v_, zeros_;  // of all systems; zeros_: drive forces if none are given
