@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "ugoki/body/body.h"
@@ -258,6 +260,21 @@ TEST(Skin, ReportsWhatIsLeftOut) {
   const Result<Intake> other = take_in_rig({}, std::vector<std::byte>(48));
   ASSERT_TRUE(other) << other.error().text();
   EXPECT_NE(other->report[0].find("neither PNG nor JPEG"), std::string::npos) << other->report[0];
+}
+
+TEST(Skin, ValuesOutOfRangeLeaveTheSkinOut) {
+  const Rig rig;
+  std::vector<std::byte> bytes = write_rig(rig, picture(64, 32));
+  const Vec3 vertex = vertices_of(rig)[3].p;
+  float from[3], to[3] = {1e12f, 0, 0};
+  for (int k = 0; k < 3; ++k) from[k] = static_cast<float>(vertex[k]);
+  const auto place = std::ranges::search(bytes, std::as_bytes(std::span(from)));
+  ASSERT_FALSE(place.empty());
+  std::ranges::copy(std::as_bytes(std::span(to)), place.begin());
+  const Result<Intake> made = take_in({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, "rig.glb");
+  ASSERT_TRUE(made) << made.error().text();
+  EXPECT_FALSE(made->mechanism->skin());
+  EXPECT_NE(made->report[0].find("left out"), std::string::npos) << made->report[0];
 }
 
 }  // namespace

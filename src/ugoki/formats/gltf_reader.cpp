@@ -515,7 +515,13 @@ Result<FileSkin> read_gltf_skin(std::span<const std::byte> bytes, std::string_vi
   if (!document) return fail(std::move(document.error()));
   auto meshes = read_gltf_meshes(bytes, file_name, options.files, unpack, notes);
   if (!meshes) return fail(std::move(meshes.error()));
-  return Reader(std::move(*document), file_name, options, ignored).skin(std::move(*meshes), notes);
+  Result<FileSkin> skin = Reader(std::move(*document), file_name, options, ignored).skin(std::move(*meshes), notes);
+  if (!skin || skin->bones.empty()) return skin;
+  // A damaged file can have values that a body would refuse with its whole character.
+  Error problems;
+  check_skin(skin->skin, skin->bones.size(), file_name, problems);
+  if (!problems.empty()) return fail(std::move(problems));
+  return skin;
 }
 
 }  // namespace ugoki::formats
