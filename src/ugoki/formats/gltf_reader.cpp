@@ -521,6 +521,12 @@ Result<FileSkin> read_gltf_skin(std::span<const std::byte> bytes, std::string_vi
   Error problems;
   check_skin(skin->skin, skin->bones.size(), file_name, problems);
   if (!problems.empty()) return fail(std::move(problems));
+  const auto is_usable = [](const FileBone& b) {
+    return is_finite(b.p) && is_finite(b.A.column(0)) && is_finite(b.A.column(1)) && is_finite(b.A.column(2));
+  };
+  if (!std::ranges::all_of(skin->bones, is_usable))
+    return fail(ErrorCode::range, std::string(file_name), "The bones of the skin have places that are not finite.",
+                "Export the file again with its bind pose.");
   return skin;
 }
 
