@@ -177,12 +177,12 @@ Result<intake::Intake> take_in_mapped(const std::string& path, const SourceOptio
     if (loaded && intake_options.robot.loops) loaded->report.push_back("Loops are read from " + intake_options.robot.loops->name + ".");
     return loaded;
   }
-  if (kind == intake::FileKind::gltf || kind == intake::FileKind::mesh) {
+  if (kind == intake::FileKind::gltf || kind == intake::FileKind::mesh || kind == intake::FileKind::scene) {
     intake::IntakeOptions gltf_options = options.intake;
     gltf_options.files = [&](std::string_view uri) -> Result<std::vector<std::byte>> {
       const fs::path relative = fs::path(uri).lexically_normal();
       if (relative.is_absolute() || relative.begin() == relative.end() || *relative.begin() == "..")
-        return fail(ErrorCode::unsupported, path, "Its buffer '" + std::string(uri) + "' is outside the file's folder.",
+        return fail(ErrorCode::unsupported, path, "The file '" + std::string(uri) + "', to which it refers, is outside its folder.",
                     "Copy it to the folder of the file.");
       const std::string buffer = (fs::path(path).parent_path() / relative).string();
       note_read(buffer);

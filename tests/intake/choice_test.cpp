@@ -238,5 +238,20 @@ TEST(Takes, AnAnimalThatIsUprightInOtherTakesIsRecognisedInTheLongest) {
   }
 }
 
+TEST(Takes, NamesOfProgramsDoNotNameAMotion) {
+  for (const char* name :
+       {"", "Take 001", "Anim_0", "mixamo.com", "Armature|mixamo.com|Layer0", "Armature|Action.001", "AnimStack", "Scene"})
+    EXPECT_TRUE(is_default_name(name)) << name;
+  for (const char* name : {"walk", "Take off", "Armature|Run", "Action hero", "歩く"}) EXPECT_FALSE(is_default_name(name)) << name;
+  MeasuredMotion dog = swaying_dog(30, 0);
+  for (const auto& [name, wanted] : {std::pair{"Take 001", "rex"}, {"Gallop", "Gallop"}}) {
+    dog.name = name;
+    const std::vector<std::byte> file = formats::write_glb(dog);
+    const auto in = take_in({reinterpret_cast<const char*>(file.data()), file.size()}, "folder/rex.glb");
+    ASSERT_TRUE(in) << in.error().text();
+    EXPECT_EQ(in->items[2].name, wanted);
+  }
+}
+
 }  // namespace
 }  // namespace ugoki::intake

@@ -191,6 +191,8 @@ TEST(Skin, FollowsTheBodyAsTheFileDefines) {
   ASSERT_TRUE(made) << made.error().text();
   const Mechanism& m = *made->mechanism;
   ASSERT_TRUE(m.skin());
+  EXPECT_EQ(m.name(), "rig") << "a character is named after its file";
+  EXPECT_EQ(made->items[2].name, "sway");
   const std::vector<Vertex> vertices = vertices_of(rig);
   ASSERT_EQ(m.skin()->vertex_count(), vertices.size());
   ASSERT_EQ(m.skin()->textures.size(), 1U);

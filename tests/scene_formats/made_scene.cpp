@@ -41,6 +41,8 @@ aiMesh* make_mesh(const std::vector<Vec3>& positions, const std::vector<std::str
   mesh->mNumVertices = static_cast<unsigned>(3 * positions.size());
   mesh->mVertices = new aiVector3D[mesh->mNumVertices];
   mesh->mNormals = new aiVector3D[mesh->mNumVertices];
+  mesh->mTextureCoords[0] = new aiVector3D[mesh->mNumVertices];
+  mesh->mNumUVComponents[0] = 2;
   mesh->mNumFaces = static_cast<unsigned>(positions.size());
   mesh->mFaces = new aiFace[mesh->mNumFaces];
   mesh->mNumBones = static_cast<unsigned>(positions.size());
@@ -57,6 +59,7 @@ aiMesh* make_mesh(const std::vector<Vec3>& positions, const std::vector<std::str
       const unsigned v = 3 * j + k;
       mesh->mVertices[v] = ai(positions[j] + Vec3{0.1 * (k == 1), 0.1 * (k == 2), 0});
       mesh->mNormals[v] = {0, 0, 1};
+      mesh->mTextureCoords[0][v] = {0.25f, 0.75f, 0};
       mesh->mFaces[j].mIndices[k] = v;
       bone->mWeights[k] = {v, 1.0f};
     }
@@ -141,6 +144,10 @@ std::string make_scene_file(const MeasuredMotion& motion, const MadeOptions& opt
   scene.mRootNode->addChildren(static_cast<unsigned>(top.size()), top.data());
   scene.mNumMaterials = 1;
   scene.mMaterials = new aiMaterial*[1]{new aiMaterial};
+  const aiColor3D color(0.2f, 0.4f, 0.6f);
+  scene.mMaterials[0]->AddProperty(&color, 1, AI_MATKEY_COLOR_DIFFUSE);
+  if (const aiString path(options.texture); !options.texture.empty())
+    scene.mMaterials[0]->AddProperty(&path, AI_MATKEY_TEXTURE(aiTextureType_DIFFUSE, 0));
 
   auto* animation = new aiAnimation;
   animation->mName = "dance";

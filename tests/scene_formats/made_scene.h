@@ -14,7 +14,8 @@ namespace ugoki::scene_formats {
 struct MadeOptions {
   std::string format = "fbxa";  ///< assimp exporter: "fbxa" (ASCII FBX) or "collada"; assimp cannot read the binary FBX that it writes
   double units_per_metre = 1;
-  bool skin = true;  ///< add a mesh with bones
+  bool skin = true;          ///< add a mesh with bones
+  std::string texture = {};  ///< name of a picture on the mesh; empty: the mesh has the colour #336699
 };
 /// The motion as a file with Y up. Each node has a rest rotation of its own.
 [[nodiscard]] std::string make_scene_file(const MeasuredMotion& motion, const MadeOptions& options);

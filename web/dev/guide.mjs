@@ -5,6 +5,7 @@ import { fileURLToPath } from 'node:url';
 import { launch, ready } from '../e2e/browser.mjs';
 import { leg_swing_bvh } from '../e2e/library.mjs';
 import { add_table } from '../e2e/props.mjs';
+import { skinned_person } from '../e2e/skinned_file.mjs';
 import { start_service } from '../e2e/service.mjs';
 
 const wanted = process.argv.slice(2);
@@ -109,6 +110,25 @@ try {
     await page.waitForTimeout(1000);
   }
 
+  if (wanted.length === 0 || wanted.includes('skin')) {
+    const revision = await page.evaluate('window.ugoki.undo().revision');
+    await page.locator('.library input[type=file]').setInputFiles([{ name: 'stripes.glb', mimeType: 'application/octet-stream', buffer: skinned_person() }]);
+    await page.waitForFunction(() => window.ugoki.imports().some((f) => f.status === 'ready'), undefined, { timeout: 120000 });
+    await page.getByRole('button', { name: 'Store in the library' }).click();
+    await page.getByRole('button', { name: 'Add a new character with this motion' }).click();
+    await page.waitForFunction((r) => window.ugoki.undo().revision > r, revision);
+    await page.getByRole('tab', { name: 'Look' }).click();
+    await blur();
+    await page.keyboard.press('f');
+    await page.waitForTimeout(2500);
+    await picture('skin');
+    await page.getByRole('tab', { name: 'Inspector' }).click();
+    await page.keyboard.press('Control+z');
+    await page.waitForFunction(() => window.ugoki.document().characters.length === 3);
+    await page.keyboard.press('a');
+    await page.waitForTimeout(1000);
+  }
+
   // a selected character, posing, stored poses, curves
   await page.locator('[data-character="human"] .track-name').click();
   await picture('inspector', '.inspector');
@@ -177,12 +197,40 @@ try {
   await picture('simulate');
   await tab('Naturalness');
   await picture('naturalness', '.naturalness');
+  await tab('Plots');
+  for (const side of ['left', 'right']) {
+    const joints = page.getByRole('combobox', { name: 'Add a joint' });
+    const value = await joints.locator('option').evaluateAll((options, wanted) => options.find((o) => o.textContent.toLowerCase().includes(`shank ${wanted}`) || o.textContent.toLowerCase().includes(`${wanted}leg`))?.value, side);
+    await joints.selectOption(value);
+  }
+  await picture('plots', '.plots');
   await tab('Log');
   await picture('log', '.log, .panel.empty');
   await tab('Scenario');
   await mode('Edit');
 
+  if (wanted.length === 0 || wanted.includes('cameras')) {
+    await page.locator('.viewport canvas').first().hover();
+    const through = page.locator('select', { has: page.locator('option[value=free]') }).first();
+    for (const [key, time] of [['3', 0], ['1', 60]]) {
+      for (let i = 0; i < time; i++) await page.keyboard.press('ArrowRight');
+      await page.keyboard.press(key);
+      await page.keyboard.press('f');
+      await page.waitForTimeout(1200);
+      await through.selectOption('new');
+      await page.locator('.film-frame').waitFor();
+      await blur();
+    }
+    await page.keyboard.press('x');
+    await page.waitForTimeout(800);
+    await picture('cameras');
+    await through.selectOption('free');
+  }
+
   // dialogs
+  await page.getByRole('button', { name: 'Export', exact: true }).click();
+  await picture('export', '.menu');
+  await page.keyboard.press('Escape');
   await page.keyboard.press('Control+k');
   await picture('commands', '.palette');
   await page.keyboard.press('Escape');

@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
+import { until } from './browser.mjs';
 import { leg_swing_bvh } from './library.mjs';
 import { mock } from './service.mjs';
 import { crowded, resize, windows } from './windows.mjs';
@@ -53,6 +54,9 @@ export const views = [
     await page.locator('.tour').waitFor();
   }, escape],
   ['Save as', (page) => page.keyboard.press('Control+Shift+s'), escape],
+  ['the exports', (page) => page.getByRole('button', { name: 'Export', exact: true }).click(), escape],
+  ['the kinds of props', (page) => page.getByRole('button', { name: '+ Prop' }).click(), escape],
+  ['the plots', (page) => page.getByRole('tab', { name: 'Plots' }).click(), (page) => page.getByRole('tab', { name: 'Scenario' }).click()],
 ];
 
 const mode = async (page, name) => {
@@ -264,8 +268,10 @@ export const accessibility_journeys = [
           await page.screenshot({ path: `${pictures}window-${width}.png` });
         }
       }
+      await page.setViewportSize({ width: 480, height: 400 }); // too small for the panels
+      await until(page, async () => (await widths()).every((w, i) => w < before[i]), 'smaller panels', 20000);
       await page.setViewportSize({ width: 1440, height: 900 });
-      await page.waitForTimeout(1200);
+      await until(page, async () => String(await widths()) === String(before), 'panels that have their width again', 20000);
       assert.deepEqual(bad, []);
     },
   },

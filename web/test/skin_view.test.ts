@@ -46,3 +46,15 @@ test('the triangles of a mirrored skin are seen from outside', () => {
   const mirrored = { ...skin, matrices: skin.matrices.map((x, i) => (i % 12 >= 4 && i % 12 < 8 ? -x : x)) };
   expect([...new SkinView(mirrored).mesh.geometry.index!.array]).toEqual([1, 0, 2]);
 });
+
+test('the spheres of a skin contain its vertices in every pose', () => {
+  const view = new SkinView(skin);
+  const h = Math.SQRT1_2;
+  for (const poses of [[0, 0, 3, 1, 0, 0, 0, 1, 2, 0, h, 0, 0, h], [5, 0, 0, h, 0, h, 0, 4, 4, 4, 1, 0, 0, 0]]) {
+    view.place(poses);
+    const box = new THREE.Box3();
+    for (const { center, radius } of view.spheres) box.expandByPoint(center.clone().addScalar(radius)).expandByPoint(center.clone().subScalar(radius));
+    for (let i = 0; i < 3; i++) expect(box.distanceToPoint(view.vertex(i, new THREE.Vector3()))).toBeLessThan(1e-6);
+    expect(box.getSize(new THREE.Vector3()).length()).toBeLessThan(20);
+  }
+});

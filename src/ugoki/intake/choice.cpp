@@ -66,4 +66,20 @@ Result<std::size_t> find_take(std::span<const MeasuredMotion> motions, const std
   return at(chosen);
 }
 
+bool is_default_name(std::string_view name) {
+  std::string letters;  // of the whole name in lower case; digits, dots and separators vary
+  for (const char c : name)
+    if (c >= 'A' && c <= 'Z')
+      letters += static_cast<char>(c - 'A' + 'a');
+    else if (c >= 'a' && c <= 'z')
+      letters += c;
+    else if ((c & 0x80) != 0)
+      return false;
+  for (std::string_view word : {"armature", "rig", "skeleton", "layer", "stack", "base"})
+    for (std::size_t at = letters.find(word); at != std::string::npos; at = letters.find(word)) letters.erase(at, word.size());
+  constexpr std::string_view defaults[] = {"",       "take",    "anim",    "animation", "action", "mixamocom",
+                                           "motion", "default", "unnamed", "untitled",  "scene"};
+  return std::ranges::find(defaults, letters) != std::end(defaults);
+}
+
 }  // namespace ugoki::intake

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ugoki/base/result.h"
@@ -22,5 +23,8 @@ Result<void> choose_character(std::span<MeasuredMotion> motions, std::span<const
 /// Index of one motion. @param wanted number from 1, or name. Errors: there is no such motion.
 [[nodiscard]] Result<std::size_t> find_take(std::span<const MeasuredMotion> motions, const std::string& wanted,
                                             const std::string& location);
+
+/// True for names that a program gives a motion by itself: "Take 001", "Anim_0", "mixamo.com", "Armature|Action". They do not describe it.
+[[nodiscard]] bool is_default_name(std::string_view name);
 
 }  // namespace ugoki::intake

@@ -214,9 +214,12 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   const bool single = motions.size() == 1 || take;
   for (MeasuredMotion& m : motions) {
     if (!options.name.empty()) m.name = single ? options.name : options.name + " " + m.name;
+    if (options.name.empty() && motions.size() == 1 && is_default_name(m.name)) m.name = stem_of(file_name);
     if (m.name.empty()) m.name = out.source;
   }
-  const std::string name = single ? motions[take.value_or(0)].name : options.name.empty() ? stem_of(file_name) : options.name;
+  // A character with a skin is known by its file, a body that is made for a motion by the motion.
+  const bool of_file = options.name.empty() && (!single || skin.exists());
+  const std::string name = of_file ? stem_of(file_name) : single ? motions[take.value_or(0)].name : options.name;
   out.metres_per_unit = notes.metres_per_unit > 0 ? notes.metres_per_unit : motions[0].skeleton.unit;
   apply_corrections(motions, notes, options, out);
   skin.turn(turn_from(notes.z_up, out.axes));
@@ -263,14 +266,16 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
       notes.remarks.push_back((motions.size() > 1 ? m.name + ": " : "") + sentence);
   for (MeasuredMotion& m : motions)
     if (const std::optional<Vec3> belt = belt_velocity(character, m)) {
+      out.walks_in_place = true;
       const std::string speed = to_fixed(norm(*belt), 2) + " m/s";
       if (options.travel) {
         add_travel(m, *belt);
         notes.remarks.push_back(m.name + ": a travel of " + speed +
                                 " was added, because the character walks in place and its standing feet slide.");
       } else {
-        checks.push_back(m.name + ": the character walks in place (on a treadmill); its standing feet slide at " + speed +
-                         ". Under dynamics it will fall. Import it with its travel (--travel) to put it on a floor.");
+        checks.push_back(
+            m.name + ": the character walks in place (on a treadmill); its standing feet slide at " + speed +
+            ". Under dynamics it will fall. Add the travel of its steps (in the studio: Add travel; on the command line: --travel).");
       }
     }
   describe(out.conversion, motions);
@@ -298,7 +303,8 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
     }
   }
   if (body && *species && body->anatomy.plan == "four legs" && options.mass == 0)
-    if (std::string sentence = limit_mass(*body, **species, all, body_options); !sentence.empty()) out.report.push_back(std::move(sentence));
+    if (std::string sentence = limit_mass(*body, **species, all, body_options); !sentence.empty())
+      out.report.push_back(std::move(sentence));
   if (!body) return fail(in_file(std::move(body.error()), file_name));
   Result<MechanismPtr> mechanism = finished(*body, name, skin);
   if (!mechanism) return fail(in_file(std::move(mechanism.error()), file_name));
@@ -516,7 +522,8 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
       Result<std::vector<MeasuredMotion>> motions =
           scene_formats::read_scene(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit, .mesh_ends = true}, &notes);
       if (!motions) return fail(std::move(motions.error()));
-      return from_measured(std::move(*motions), std::move(notes), file_name, options, true);
+      formats::FileSkin skin = skin_of_scene(std::as_bytes(raw), file_name, options, notes);
+      return from_measured(std::move(*motions), std::move(notes), file_name, options, true, std::move(skin));
     }
     case FileKind::usd: {
       Result<MeasuredMotion> measured = scene_formats::read_usd(bytes, file_name, {.metres_per_unit = options.unit}, &notes);

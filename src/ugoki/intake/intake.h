@@ -58,12 +58,13 @@ struct Intake {
   MechanismPtr mechanism;                          ///< mechanism of the body, or of the file
   std::optional<MeshBody> mesh;                    ///< files with a mesh and without a skeleton
   double metres_per_unit = 0;                      ///< m, unit of length that was used; 0: the file has none
-  bool unit_guessed = false;                       ///< neither the file nor the caller specified the unit
-  Orientation axes = usual_orientation(true);      ///< up and forward axes of the file's space that were used
-  std::vector<std::string> characters;             ///< root joints of the characters in the file, if there are several
-  std::vector<std::string> takes;                  ///< names of the motions in the file, if there are several
-  std::vector<std::string> report;                 ///< sentences for display
-  ConversionReport conversion;                     ///< the same sentences by category, and a description of the file's contents
+  bool walks_in_place = false;  ///< a motion of the file is a walk on a treadmill; IntakeOptions::travel moves it over the floor
+  bool unit_guessed = false;    ///< neither the file nor the caller specified the unit
+  Orientation axes = usual_orientation(true);  ///< up and forward axes of the file's space that were used
+  std::vector<std::string> characters;         ///< root joints of the characters in the file, if there are several
+  std::vector<std::string> takes;              ///< names of the motions in the file, if there are several
+  std::vector<std::string> report;             ///< sentences for display
+  ConversionReport conversion;                 ///< the same sentences by category, and a description of the file's contents
   std::vector<store::LibraryItem> items;  ///< library entries: first the mechanism, then for each motion the measured and the converted one
   /// Library id of the first item of this kind; empty if there is none.
   [[nodiscard]] std::string id_of(store::EntryKind kind) const;

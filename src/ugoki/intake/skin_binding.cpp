@@ -1,122 +1,79 @@
 #include "ugoki/intake/skin_binding.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
-#include "ugoki/base/check.h"
 #include "ugoki/base/number.h"
 #include "ugoki/formats/gltf_skin.h"
 #include "ugoki/intake/tree_edit.h"
 #include "ugoki/scene_formats/meshopt.h"
+#include "ugoki/scene_formats/scene_skin.h"
 
 namespace ugoki::intake {
 namespace {
 
-constexpr double rigid = 0.01;       // m; joints that move less relative to each other move together
-constexpr double arm_of_turn = 0.1;  // m, at which a relative turn is measured
-
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Largest motion [m] of joint i of `inner` relative to joint k of `outer` over the sampled frames.
-double relative_motion(const std::vector<std::vector<Pose>>& outer, std::size_t k, const std::vector<std::vector<Pose>>& inner,
-                       std::size_t i) {
-  const Pose first = outer[0][k].inverse() * inner[0][i];
-  double largest = 0;
-  for (std::size_t f = 1; f < outer.size(); ++f) {
-    const Pose X = outer[f][k].inverse() * inner[f][i];
-    double turn = 0;
-    for (int c = 0; c < 3; ++c) turn = std::max(turn, norm(X.R.column(c) - first.R.column(c)));
-    largest = std::max(largest, norm(X.p - first.p) + arm_of_turn * turn);
+/// The joints of motions that have the same skeleton.
+SampledJoints sampled(std::span<const MeasuredMotion> motions) {
+  SampledJoints out;
+  for (const SkeletonJoint& j : motions[0].skeleton.joints) {
+    out.names.push_back(j.name);
+    out.parents.push_back(j.parent);
   }
-  return largest;
+  out.samples = sample_poses(motions);
+  out.rest = rest_positions(motions[0].skeleton);
+  return out;
+}
+
+/// The skin, or an empty one and a remark if it cannot be read.
+formats::FileSkin shown_or_noted(Result<formats::FileSkin> skin, formats::ReadNotes& notes) {
+  if (skin) return std::move(*skin);
+  notes.remarks.push_back("The skin of the character is left out: " + skin.error().problems[0].message);
+  return {};
 }
 
 }  // namespace
 
 SkinBinding::SkinBinding(formats::FileSkin skin, std::span<const MeasuredMotion> motions)
     : file_(std::move(skin)), lost_(file_.bones.size(), 0) {
-  if (!exists()) return;
-  for (const SkeletonJoint& j : motions[0].skeleton.joints) {
-    names_.push_back(j.name);
-    parents_.push_back(j.parent);
-  }
-  rest_ = rest_positions(motions[0].skeleton);
-  samples_ = sample_poses(motions);
+  if (exists()) joints_ = sampled(motions);
 }
 
 void SkinBinding::turn(const Mat3& R) {
   for (formats::FileBone& b : file_.bones) b.A = R * b.A, b.p = R * b.p;
-  for (Vec3& p : rest_) p = R * p;
-  for (std::vector<Pose>& X : samples_)
+  for (Vec3& p : joints_.rest) p = R * p;
+  for (std::vector<Pose>& X : joints_.samples)
     for (Pose& x : X) x = {R * x.R * R.transposed(), R * x.p};
 }
 
 void SkinBinding::scale(double factor) {
   for (formats::FileBone& b : file_.bones) b.A = b.A * factor, b.p *= factor;
-  for (Vec3& p : rest_) p *= factor;
-  for (std::vector<Pose>& X : samples_)
+  for (Vec3& p : joints_.rest) p *= factor;
+  for (std::vector<Pose>& X : joints_.samples)
     for (Pose& x : X) x.p *= factor;
 }
 
 void SkinBinding::reduce(std::span<const MeasuredMotion> motions) {
   if (!exists()) return;
-  const std::vector<std::vector<Pose>> now = sample_poses(motions);
-  if (now.size() != samples_.size()) return;
-  const std::vector<SkeletonJoint>& joints = motions[0].skeleton.joints;
-  const std::vector<Vec3> rest = rest_positions(motions[0].skeleton);
-  std::map<std::string, std::size_t, std::less<>> index_now, index_before;
-  for (std::size_t k = 0; k < joints.size(); ++k) index_now.emplace(joints[k].name, k);
-  for (std::size_t i = 0; i < names_.size(); ++i) index_before.emplace(names_[i], i);
-  const auto remaining = [&](int i) {
-    const auto it = index_now.find(names_[at(i)]);
-    return it == index_now.end() ? -1 : static_cast<int>(it->second);
-  };
-  const auto carries_body = [&](int i) {  // an ancestor of a remaining joint
-    for (const auto& [name, k] : index_now)
-      if (const auto it = index_before.find(name); it != index_before.end())
-        for (int up = static_cast<int>(it->second); up >= 0; up = parents_[at(up)])
-          if (up == i) return true;
-    return false;
-  };
-  std::map<std::size_t, std::pair<int, Pose>> found;  // by joint of the file: remaining joint and pose of the file's joint in it
+  SampledJoints now = sampled(motions);
+  if (now.samples.size() != joints_.samples.size()) return;
+  const RigidJoints rigid_joints(std::move(joints_), now);
+  std::map<std::string, std::optional<RigidJoint>, std::less<>> found;  // by the joint of the file
   for (std::size_t b = 0; b < file_.bones.size(); ++b) {
     formats::FileBone& bone = file_.bones[b];
-    const auto joint = index_before.find(bone.joint);
-    UGOKI_CHECK(joint != index_before.end());
-    const std::size_t i = joint->second;
-    auto [it, is_new] = found.try_emplace(i, -1, Pose{});
-    if (is_new) {
-      int target = -1, up = static_cast<int>(i);
-      while (up >= 0 && remaining(up) < 0) up = parents_[at(up)];
-      if (up >= 0) target = remaining(up);
-      if (target < 0 || relative_motion(now, at(target), samples_, i) > rigid) {
-        double minimum = target < 0 ? 1e9 : relative_motion(now, at(target), samples_, i);
-        for (std::size_t k = 0; (up >= 0 || carries_body(static_cast<int>(i))) && k < joints.size(); ++k)
-          if (const double d = relative_motion(now, k, samples_, i); d < 0.5 * minimum || target < 0) {
-            minimum = d;
-            target = static_cast<int>(k);
-          }
-      }
-      it->second.first = target;
-      if (target >= 0)
-        it->second.second = relative_motion(now, at(target), samples_, i) <= rigid ? now[0][at(target)].inverse() * samples_[0][i]
-                                                                                   : Pose{Mat3::identity(), rest_[i] - rest[at(target)]};
-    }
-    const auto& [target, X] = it->second;
-    lost_[b] = target < 0 ? 1 : 0;
-    if (target < 0) continue;
-    bone.joint = joints[at(target)].name;
+    const auto [it, is_new] = found.try_emplace(bone.joint);
+    if (is_new) it->second = rigid_joints.find(bone.joint);
+    lost_[b] = it->second ? 0 : 1;
+    if (!it->second) continue;
+    const auto& [joint, X] = *it->second;
+    bone.joint = now.names[joint];
     bone.A = X.R * bone.A;
     bone.p = X * bone.p;
   }
-  // from now on, bones are those of the remaining joints
-  names_.clear();
-  parents_.clear();
-  for (const SkeletonJoint& j : joints) names_.push_back(j.name), parents_.push_back(j.parent);
-  rest_ = rest;
-  samples_ = now;
+  joints_ = std::move(now);
 }
 
 void SkinBinding::drop_lost_triangles() {
@@ -170,9 +127,12 @@ formats::FileSkin skin_of_gltf(std::span<const std::byte> bytes, std::string_vie
                                formats::ReadNotes& notes) {
   Result<formats::FileSkin> skin = formats::read_gltf_skin(
       bytes, file_name, {.metres_per_unit = options.unit, .mesh_ends = true, .files = options.files}, scene_formats::unpack_meshopt, notes);
-  if (skin) return std::move(*skin);
-  notes.remarks.push_back("The skin of the character is left out: " + skin.error().problems[0].message);
-  return {};
+  return shown_or_noted(std::move(skin), notes);
+}
+
+formats::FileSkin skin_of_scene(std::span<const std::byte> bytes, std::string_view file_name, const IntakeOptions& options,
+                                formats::ReadNotes& notes) {
+  return shown_or_noted(scene_formats::read_scene_skin(bytes, file_name, {.metres_per_unit = options.unit}, options.files, notes), notes);
 }
 
 std::string describe(const Skin& skin) {

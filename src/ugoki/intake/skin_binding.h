@@ -8,6 +8,7 @@
 #include "ugoki/body/body.h"
 #include "ugoki/formats/file_skin.h"
 #include "ugoki/intake/intake.h"
+#include "ugoki/intake/rigid_joints.h"
 #include "ugoki/motion/skeleton.h"
 
 namespace ugoki::intake {
@@ -35,16 +36,17 @@ class SkinBinding {
   void drop_lost_triangles();
 
   formats::FileSkin file_;
-  std::vector<std::string> names_;          ///< [joints] of the file
-  std::vector<int> parents_;                ///< [joints]
-  std::vector<Vec3> rest_;                  ///< [joints] m
-  std::vector<std::vector<Pose>> samples_;  ///< [sampled frames][joints] world poses in the file
-  std::vector<char> lost_;                  ///< [bones] 1: of no joint of the body
+  SampledJoints joints_;    ///< to which the bones belong: those of the file, after reduce() those that remain
+  std::vector<char> lost_;  ///< [bones] 1: of no joint of the body
 };
 
 /// Reads the skin of a glTF file; empty, with a remark, if it cannot be read.
 [[nodiscard]] formats::FileSkin skin_of_gltf(std::span<const std::byte> bytes, std::string_view file_name, const IntakeOptions& options,
                                              formats::ReadNotes& notes);
+
+/// The same of an FBX or COLLADA file.
+[[nodiscard]] formats::FileSkin skin_of_scene(std::span<const std::byte> bytes, std::string_view file_name, const IntakeOptions& options,
+                                              formats::ReadNotes& notes);
 
 /// Sentence about the skin for the user.
 [[nodiscard]] std::string describe(const Skin& skin);

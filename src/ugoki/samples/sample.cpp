@@ -18,6 +18,12 @@ constexpr const char* document = R"({
   "characters": [
     {
       "id": "human", "name": "Human", "mechanism": "human", "color": "#e6e6ea",
+      "link_colors": {
+        "Spine": "#4d7f7a", "Spine1": "#4d7f7a", "Chest": "#4d7f7a", "LeftShoulder": "#4d7f7a", "RightShoulder": "#4d7f7a", "LeftArm": "#4d7f7a", "RightArm": "#4d7f7a",
+        "Hips": "#35425e", "LeftUpLeg": "#35425e", "RightUpLeg": "#35425e", "LeftLeg": "#35425e", "RightLeg": "#35425e",
+        "LeftFoot": "#e8e4dc", "RightFoot": "#e8e4dc", "LeftToeBase": "#e8e4dc", "RightToeBase": "#e8e4dc",
+        "Neck": "#d3a284", "Head": "#d3a284", "LeftForeArm": "#d3a284", "RightForeArm": "#d3a284", "LeftHand": "#d3a284", "RightHand": "#d3a284"
+      },
       "place": {"x": 0, "y": 0, "z": 0, "heading": 0},
       "control": {"mode": "track", "tracking": 1, "balance": 1, "assist_limit": 0.5, "beyond": "release"},
       "track": [{"id": "k1", "motion": "human-walk", "start": 0, "length": 20, "offset": 0, "speed": 1, "blend": 0, "loop": true}]

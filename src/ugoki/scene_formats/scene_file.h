@@ -9,6 +9,7 @@
 #include "ugoki/base/result.h"
 #include "ugoki/formats/read_notes.h"
 #include "ugoki/motion/skeleton.h"
+#include "ugoki/scene_formats/scene_places.h"
 
 namespace ugoki::scene_formats {
 
@@ -31,7 +32,9 @@ struct SceneOptions {
                                                              const SceneOptions& options = {}, formats::ReadNotes* notes = nullptr);
 
 /// The same as read_scene(), but in the calling process, without protection. Used by the child process and by tests for crashes.
+/// @param places receives the places of the nodes; may be null
 [[nodiscard]] Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::byte> bytes, std::string_view file_name,
-                                                                       const SceneOptions& options, formats::ReadNotes& notes);
+                                                                       const SceneOptions& options, formats::ReadNotes& notes,
+                                                                       NodePlaces* places = nullptr);
 
 }  // namespace ugoki::scene_formats

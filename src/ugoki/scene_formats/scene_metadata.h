@@ -1,11 +1,15 @@
 #pragma once
-// Numbers in assimp's metadata of a file, such as unit and up axis. Internal to scene_formats.
+// Settings of assimp, and numbers in its metadata of a file, such as unit and up axis. Internal to scene_formats.
 
 #include <assimp/scene.h>
 
+#include <assimp/Importer.hpp>
 #include <optional>
 
 namespace ugoki::scene_formats {
+
+/// Sets what all readers of characters need: joints without pivot nodes, no cameras and lights, the axes of the file.
+void set_importer(Assimp::Importer& importer);
 
 /// Returns the number `key`, of type double, float or int; nothing if the file does not state it.
 [[nodiscard]] inline std::optional<double> metadata_number(const aiScene& scene, const char* key) {

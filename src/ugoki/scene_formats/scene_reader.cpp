@@ -77,6 +77,22 @@ class SceneReader {
     return out;
   }
 
+  /// Places of all nodes at or below joints in the first frame of `first`, the first motion of read().
+  [[nodiscard]] NodePlaces places(const MeasuredMotion& first) const {
+    NodePlaces out;
+    std::vector<Pose> joints;
+    first.calc_joint_poses(0, joints);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const int j = nodes_[i].joint >= 0 ? nodes_[i].joint : parent_joint(i);
+      if (j < 0) continue;
+      const Pose inverse = joints[static_cast<std::size_t>(j)].inverse();
+      const Mat3 to_joint = inverse.R * R_ * metres_;
+      out.emplace(nodes_[i].node->mName.C_Str(), NodePlace{frames_.skeleton().joints[static_cast<std::size_t>(j)].name,
+                                                           to_joint * first_world_[i].M, to_joint * first_world_[i].p + inverse.p});
+    }
+    return out;
+  }
+
  private:
   bool refuse(ErrorCode code, std::string message, std::string remedy) {
     error_.add(code, std::string(file_name_), std::move(message), std::move(remedy));
@@ -211,6 +227,7 @@ class SceneReader {
     world_.resize(nodes_.size());
     for (std::size_t i = 0; i < nodes_.size(); ++i)
       world_[i] = nodes_[i].parent < 0 ? locals[i] : world_[static_cast<std::size_t>(nodes_[i].parent)] * locals[i];
+    if (first_world_.empty()) first_world_ = world_;
     joint_world_.clear();
     for (const std::size_t i : joints_) joint_world_.push_back(world_[i]);
     frames_.append_frame(motion, joint_world_);
@@ -346,12 +363,20 @@ class SceneReader {
   std::vector<Affine> rest_locals_;  ///< [nodes] transformation relative to the parent in the rest pose
   std::vector<Affine> world_;        ///< [nodes] world transform in the frame that add_frame() computes
   std::vector<Affine> joint_world_;  ///< [joints] the same of the joints
+  std::vector<Affine> first_world_;  ///< [nodes] world_ of the first frame
 };
 
 }  // namespace
 
+void set_importer(Assimp::Importer& importer) {
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // find_axes() converts the up axis, for all formats
+}
+
 Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::byte> bytes, std::string_view file_name,
-                                                         const SceneOptions& options, formats::ReadNotes& notes) {
+                                                         const SceneOptions& options, formats::ReadNotes& notes, NodePlaces* places) {
   const std::string location(file_name);
   const std::size_t dot = file_name.rfind('.');
   const std::string_view ending = dot == std::string_view::npos ? std::string_view() : file_name.substr(dot + 1);
@@ -359,12 +384,9 @@ Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::by
   if (!fbx && !dae) return fail(ErrorCode::unsupported, location, "The file is neither FBX nor COLLADA.", "Give a .fbx or .dae file.");
   if (bytes.empty()) return fail(ErrorCode::truncated, location, "The file is empty.", "Export it again.");
   Assimp::Importer importer;
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
+  set_importer(importer);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_MATERIALS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_TEXTURES, false);
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // find_axes() converts the up axis, for all formats
   std::map<std::string, Vec3> mesh_ends;
   const Result<std::string> core =
       fbx ? fbx_core(bytes, location, options.mesh_ends ? &mesh_ends : nullptr) : collada_core(bytes, location);
@@ -376,7 +398,10 @@ Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::by
         "The file cannot be read as " + std::string(fbx ? "FBX" : "COLLADA") + ": " + formats::utf8(importer.GetErrorString()) + ".",
         "Export it again, in another version of the format or as glTF or BVH.");
   const int up = dae ? collada_up_axis({reinterpret_cast<const char*>(bytes.data()), bytes.size()}) : 1;
-  return SceneReader(*scene, file_name, options, notes, up, mesh_ends).read();
+  SceneReader reader(*scene, file_name, options, notes, up, mesh_ends);
+  Result<std::vector<MeasuredMotion>> motions = reader.read();
+  if (motions && places) *places = reader.places(motions->front());
+  return motions;
 }
 
 }  // namespace ugoki::scene_formats

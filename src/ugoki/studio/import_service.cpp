@@ -97,7 +97,11 @@ std::string stage_json(std::string_view id, const std::string& file, const intak
               {"travel", chosen.travel}}},
             {"characters", intake_result.characters},
             {"takes", intake_result.takes},
-            {"can", {{"unit", moves || intake_result.mesh}, {"axes", intake_result.mechanism != nullptr}, {"rate", moves}}},
+            {"can",
+             {{"unit", moves || intake_result.mesh},
+              {"axes", intake_result.mechanism != nullptr},
+              {"rate", moves},
+              {"travel", intake_result.walks_in_place}}},
             {"entries", entries_json(intake_result)},
             {"report", report_json(intake_result.conversion)}};
   if (intake_result.mesh) j["mesh"] = {{"colors", intake_result.mesh->colors}};

@@ -114,28 +114,58 @@ function add_missing(api: DockviewApi): void {
 }
 
 const min_viewport_width = 320; // px; with a smaller viewport the panels shrink with the window
+const smallest_share = 0.25; // of its size that a panel keeps in a very small window
 let laid_out_font = 0; // px: font size of the last lay_out()
+/** By group: the size that it has if the window is large enough (in font sizes), and the size that lay_out() gave it (px). */
+const sizes = new Map<string, { wanted: number; given: number }>();
+
+type Axis = 'width' | 'height';
+interface SideGroup {
+  group: DockviewApi['groups'][number];
+  axis: Axis;
+  /** Position across the axis; groups of one column, or of one row, have the same. px */
+  at: number;
+  size: number;
+}
+
+/** The groups beside, above and below the viewport, whose size is kept along one axis. */
+function side_groups(api: DockviewApi, viewport: SideGroup['group'], middle: DOMRect): SideGroup[] {
+  return api.groups.flatMap((group): SideGroup[] => {
+    const box = group.element.getBoundingClientRect();
+    if (group === viewport || box.width === 0) return [];
+    if (box.right <= middle.left + 1 || box.left >= middle.right - 1) return [{ group, axis: 'width', at: Math.round(box.left), size: box.width }];
+    if (box.bottom <= middle.top + 1 || box.top >= middle.bottom - 1) return [{ group, axis: 'height', at: Math.round(box.top), size: box.height }];
+    return [];
+  });
+}
 
 /**
  * Sets the size of the dock to `width` x `height` px. Only the viewport changes its size, unless it would become too small: groups of panels
- * beside it keep their width, and groups above and below it keep their height. If the font size has changed, these change with it.
+ * beside it keep their width, and groups above and below it keep their height. If the font size has changed, these change with it. Groups that
+ * a small window has made smaller get their size back with the window.
  */
 function lay_out(api: DockviewApi, width: number, height: number): void {
-  const font = font_size(), scale = laid_out_font > 0 ? font / laid_out_font : 1;
+  const font = font_size();
+  const before = laid_out_font > 0 ? laid_out_font : font;
   laid_out_font = font;
   const viewport = api.getPanel('viewport')?.group;
   const middle = viewport?.element.getBoundingClientRect();
   if (!viewport || !middle || middle.width === 0 || api.hasMaximizedGroup()) return api.layout(width, height, true);
-  const kept = api.groups.flatMap((group): { group: typeof viewport; size: { width?: number; height?: number } }[] => {
-    const box = group.element.getBoundingClientRect();
-    if (group === viewport || box.width === 0) return [];
-    if (box.right <= middle.left + 1 || box.left >= middle.right - 1) return [{ group, size: { width: box.width * scale } }];
-    if (box.bottom <= middle.top + 1 || box.top >= middle.bottom - 1) return [{ group, size: { height: box.height * scale } }];
-    return [];
+  const sides = side_groups(api, viewport, middle).map((side) => {
+    const last = sizes.get(side.group.id);
+    const changed = !last || Math.abs(last.given - side.size) > 1.5; // by the user
+    return { ...side, wanted: changed ? side.size / before : last.wanted };
   });
-  const room = { width: middle.width + width - api.width, height: middle.height + height - api.height };
+  const share = (axis: Axis, total: number, min_viewport: number): number => {
+    const lines = new Map<number, number>();
+    for (const side of sides) if (side.axis === axis) lines.set(side.at, Math.max(lines.get(side.at) ?? 0, side.wanted * font));
+    const sum = [...lines.values()].reduce((a, b) => a + b, 0);
+    return sum > 0 ? Math.min(1, Math.max(smallest_share, (total - min_viewport) / sum)) : 1;
+  };
+  const shares = { width: share('width', width, min_viewport_width), height: share('height', height, min_viewport_width / 2) };
   api.layout(width, height, true);
-  for (const { group, size } of kept) if (size.width !== undefined ? room.width >= min_viewport_width : room.height >= min_viewport_width / 2) group.api.setSize(size);
+  for (const { group, axis, wanted } of sides) group.api.setSize({ [axis]: Math.round(wanted * font * shares[axis]) });
+  for (const { group, axis, wanted } of sides) sizes.set(group.id, { wanted, given: group.element.getBoundingClientRect()[axis] });
 }
 
 /** Restores the layout stored in this browser. @return false if there is none or it is unusable */
@@ -285,6 +315,7 @@ export function App(): ReactElement {
           defaultTabComponent={Tab}
           onReady={ready}
           disableFloatingGroups
+          disableAutoResizing // lay_out() does this
           theme={{ name: 'ugoki', className: 'dockview-theme-ugoki' }}
         />
         <ClipMenu />

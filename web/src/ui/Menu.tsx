@@ -7,6 +7,8 @@ export interface MenuItem {
   run: () => void;
   disabled?: boolean;
   title?: string;
+  /** A second line under the label. */
+  detail?: string;
   /** A separator line is drawn above this item. */
   apart?: boolean;
 }
@@ -71,7 +73,10 @@ export function Menu({ x, y, items, close, over = false, label }: { x: number; y
               item.run();
             }}
           >
-            <span>{item.label}</span>
+            <span>
+              {item.label}
+              {item.detail && <small>{item.detail}</small>}
+            </span>
             {item.key && <kbd>{item.key}</kbd>}
           </button>
         </Fragment>

@@ -3,6 +3,7 @@ import { format_factor, format_time } from '../core/format';
 import { show_key } from '../core/keymap';
 import { registry, session, useStudio } from './app';
 import { run } from './actions';
+import { ExportMenu } from './ExportMenu';
 import { ProjectMenu } from './files';
 import { Icon, type IconName } from './icons';
 
@@ -119,6 +120,7 @@ export function TopBar(): ReactElement {
           <Icon name="search" />
           <span>Commands</span>
         </button>
+        <ExportMenu />
         <CommandButton id="page.theme" icon="sun" />
         <CommandButton id="page.keys" icon="help" />
       </div>

@@ -10,6 +10,7 @@ import { draft_key, selected_character, type Selection } from '../core/state';
 import { reads_anything } from '../core/play_controls';
 import type { StudioState, ViewOptions } from '../core/state';
 import { EditTurns } from '../core/turns';
+import { format_bytes } from '../core/library/words';
 import { RequestError, type ServiceError, type UsedLibrary } from '../core/protocol';
 import { lowest_point } from '../view/character_view';
 import { new_pose_name, store_pose } from '../core/posing/pose_library';
@@ -228,7 +229,7 @@ export function download(data: Blob, name: string): void {
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
-  session.notify(`Exported ${name}`);
+  session.notify(`Exported ${name}, ${format_bytes(data.size)}`);
 }
 
 /** Name of the content without characters that file names must not contain. */

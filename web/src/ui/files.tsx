@@ -30,14 +30,6 @@ export function ProjectMenu(): ReactElement {
     command('file.save', true),
     command('file.save_as'),
     command('file.import', true),
-    command('file.export_html', true),
-    command('file.export_native'),
-    command('file.export_glb'),
-    command('file.export_usda'),
-    command('file.export_bvh'),
-    command('file.export_csv'),
-    command('file.export_picture', true),
-    command('file.export_measures'),
     command('file.sweep', true),
   ];
   return (

@@ -1,5 +1,6 @@
 import { createRoot } from 'react-dom/client';
 import 'dockview/dist/styles/dockview.css';
+import '@fontsource-variable/inter/wght.css';
 import './styles.css';
 import './panels.css';
 import './film/film.css';

@@ -22,7 +22,7 @@ export class CrowdMember {
   readonly packed: Float32Array;
   /** Colour and glow of each link, 8 values each: r g b 0 white accent 0 0. */
   readonly marks: Float32Array;
-  /** Bounding spheres of the links with shapes, in the world, m. */
+  /** Bounding spheres of the links with shapes, followed by those of the skin, in the world, m. */
   readonly spheres: THREE.Sphere[] = [];
   /** True: poses, or colours, were changed after the crowd has read them. */
   posed = true;
@@ -70,6 +70,7 @@ export class CrowdMember {
       this.shaped.push(link);
       this.spheres.push(geometry.boundingSphere.clone());
     });
+    if (this.skin) this.spheres.push(...this.skin.spheres);
     this.fill_marks();
   }
 

@@ -16,6 +16,8 @@ interface Shared {
   decoded: (THREE.Texture | null)[];
   /** Matrix of each bone: from the vertices to the frame of its link. */
   matrices: THREE.Matrix4[];
+  /** Sphere of each bone around the vertices that it moves, in the frame of its link, m; null: it moves none. */
+  spheres: (THREE.Sphere | null)[];
 }
 
 const shared = new WeakMap<SkinData, Shared>();
@@ -30,6 +32,19 @@ export function on_texture(changed: () => void): () => void {
 /** The values of a packed list. */
 function unpack<T>(text: string, of: new (buffer: ArrayBuffer) => T): T {
   return new of(bytes_of(text));
+}
+
+/** Sphere of each bone around the vertices that it moves, in the frame of its link, m; null: it moves none. */
+function spheres_of({ attributes }: THREE.BufferGeometry, matrices: readonly THREE.Matrix4[]): (THREE.Sphere | null)[] {
+  const { position: at, skinIndex, skinWeight } = attributes as Record<string, THREE.BufferAttribute>;
+  const boxes = matrices.map(() => new THREE.Box3());
+  const point = new THREE.Vector3();
+  for (let v = 0; v < at!.count; v++)
+    for (let k = 0; k < 4; k++) {
+      const bone = skinIndex!.getComponent(v, k);
+      if (skinWeight!.getComponent(v, k) > 0) boxes[bone]?.expandByPoint(point.fromBufferAttribute(at!, v).applyMatrix4(matrices[bone]!));
+    }
+  return boxes.map((box) => (box.isEmpty() ? null : box.getBoundingSphere(new THREE.Sphere())));
 }
 
 function make_shared(skin: SkinData): Shared {
@@ -48,7 +63,7 @@ function make_shared(skin: SkinData): Shared {
   const decoded: (THREE.Texture | null)[] = skin.textures.map(() => null);
   const textures = skin.textures.map(async (texture, i) => (decoded[i] = await load_texture(texture)));
   for (const texture of textures) loading.add(texture);
-  return { geometry, textures, decoded, matrices };
+  return { geometry, textures, decoded, matrices, spheres: spheres_of(geometry, matrices) };
 }
 type Twelve = [number, number, number, number, number, number, number, number, number, number, number, number];
 
@@ -77,7 +92,11 @@ async function load_texture({ type, data }: SkinData['textures'][number]): Promi
 
 export class SkinView {
   readonly mesh: THREE.SkinnedMesh<THREE.BufferGeometry, THREE.MeshStandardMaterial[]>;
+  /** Spheres in the world whose convex hull contains the skin, m. */
+  readonly spheres: THREE.Sphere[] = [];
   private readonly bones: THREE.Bone[];
+  /** Sphere of each bone in the frame of its link; null: the bone moves no vertex. */
+  private readonly of_bones: readonly (THREE.Sphere | null)[];
 
   constructor(private readonly skin: SkinData) {
     let known = shared.get(skin);
@@ -86,6 +105,8 @@ export class SkinView {
       shared.set(skin, known);
     }
     const { geometry, textures, decoded, matrices } = known;
+    this.of_bones = known.spheres;
+    for (const sphere of this.of_bones) if (sphere) this.spheres.push(sphere.clone());
     const materials = skin.parts.map((part) => {
       const material = new THREE.MeshStandardMaterial({ color: part.color, map: decoded[part.texture] ?? null, alphaTest: part.texture >= 0 ? part.cutoff : 0, side: part.both_sides ? THREE.DoubleSide : THREE.FrontSide, roughness: 0.75, metalness: 0 });
       void textures[part.texture]?.then((map) => {
@@ -124,6 +145,10 @@ export class SkinView {
       position.set(values[at]!, values[at + 1]!, values[at + 2]!);
       rotation.set(values[at + 4]!, values[at + 5]!, values[at + 6]!, values[at + 3]!);
       this.bones[b]!.matrixWorld.compose(position, rotation, one);
+    });
+    let next = 0;
+    this.of_bones.forEach((sphere, b) => {
+      if (sphere) this.spheres[next++]!.center.copy(sphere.center).applyMatrix4(this.bones[b]!.matrixWorld);
     });
   }
 

@@ -107,8 +107,8 @@ export interface StagedFile {
   file: string;
   format: string;
   settings: ImportSettings;
-  /** Settings that the user can correct. */
-  can: { unit: boolean; axes: boolean; rate: boolean };
+  /** Settings that the user can correct; `travel` if a motion of the file is a walk in place. */
+  can: { unit: boolean; axes: boolean; rate: boolean; travel?: boolean };
   entries: { kind: 'mechanism' | 'motion'; name: string; bytes: number }[];
   report: ConversionReport;
   /** Root joints of the characters in the file, if there are several. */

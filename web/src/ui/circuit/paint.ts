@@ -17,7 +17,7 @@ export interface Viewport {
 
 export type Colors = (name: string) => string;
 
-const letters = 'Inter, system-ui, "DejaVu Sans", sans-serif';
+const letters = '"Inter Variable", Inter, system-ui, "DejaVu Sans", sans-serif';
 
 /** Zoom levels below which a detail is omitted: curved wires, borders of LSI boxes, titles and pins. */
 const curve_zoom = 0.16;

@@ -10,7 +10,7 @@ import type { MechanismData } from '../../core/protocol';
 import { ImportView, type Markers } from '../../view/import_view';
 import { imports, parts, service_fetch, useImports, useStudio } from '../app';
 import { Icon } from '../icons';
-import { NumberField } from '../NumberField';
+import { NumberField, SwitchField } from '../NumberField';
 import { poses_of } from './pictures';
 
 export function ImportDialog(): ReactElement | null {
@@ -253,6 +253,7 @@ function Corrections({ item, staged }: { item: ImportItem; staged: StagedFile })
         </>
       )}
       {can.rate && <NumberField label={settings.rate_specified ? 'Frame rate' : 'Frame rate (not in the file)'} unit="1/s" value={settings.rate} digits={3} step={1} min={1} max={10000} on_commit={(rate) => correct({ rate })} />}
+      {can.travel && <SwitchField label="Add travel" value={settings.travel ?? false} title="The character walks in place. Move it over the floor as its steps require" on_commit={(travel) => correct({ travel })} />}
       {changed && (
         <button type="button" className="quiet" onClick={() => correct(read)}>
           Reset to the settings as read
