@@ -60,7 +60,7 @@ std::string page_word(const std::string& browser, const std::string& address) {
 }
 
 /// Receives the pictures of the page: PNG files as requests, and pixels for videos as WebSocket messages. (A browser copies the body of
-/// each request into new memory, which for the pixels would take a tenth of the time of a video.)
+/// each request into memory that is new each time.)
 class Receiver final : public studio::ServerEvents {
  public:
   struct Picture {

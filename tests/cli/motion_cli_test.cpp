@@ -184,5 +184,14 @@ TEST_F(MotionCliTest, GaitBringsItsGround) {
   fails({"gait", "human", "--slope", "5", "--project", both, "--out", path("both.bvh")}, "Call `ugoki gait` twice");
 }
 
+// Two of these speeds fall if the computed motion is not filtered.
+TEST_F(MotionCliTest, SlowPeopleWalkUphill) {
+  for (const char* speed : {"1.0", "1.1", "1.2", "1.3", "1.4"}) {
+    const std::string project = path(std::string("uphill") + speed + ".ugoki");
+    (void)json({"gait", "human", "--speed", speed, "--seconds", "60", "--slope", "10", "--project", project});
+    EXPECT_FALSE(json({"run", project})["fell"].get<bool>()) << speed;
+  }
+}
+
 }  // namespace
 }  // namespace ugoki::cli

@@ -2,7 +2,7 @@
 import * as THREE from 'three';
 
 // Each line is a strip of quads that is little wider than the line. On machines without a graphics processor, a shader that computes the lines for
-// every pixel of the floor takes an eighth of the time of a video.
+// every pixel of the floor takes about a twentieth of the time of a video.
 const quads = 16; // of a line
 const max_lines = 1000; // in each direction from the focus: lines further away are thinner than a pixel
 /** Radius within which lines are visible, relative to the radius within which the floor is visible. */
