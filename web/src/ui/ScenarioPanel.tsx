@@ -232,7 +232,7 @@ export function ScenarioPanel(): ReactElement {
           >
             + Prop
           </button>
-          {props_menu && createPortal(<Menu x={props_menu.x} y={props_menu.y} over label="Add a prop" close={() => set_props_menu(null)} items={[...prop_shapes.map((shape) => ({ label: prop_kinds[shape].name, run: () => insert_prop(shape) })), { label: 'Mesh file…', apart: true, run: insert_mesh_file }]} />, document.body)}
+          {props_menu && createPortal(<Menu x={props_menu.x} y={props_menu.y} over label="Add a prop" close={() => set_props_menu(null)} items={[...prop_shapes.map((shape) => ({ label: prop_kinds[shape].name, run: () => insert_prop(shape) })), { label: 'Mesh file…', apart: true, run: insert_mesh_file }]} />, document.querySelector('main') ?? document.body)}
           <button type="button" className="quiet" title="Add a marker at the playhead  (M)" onClick={() => run('marker.add')}>
             + Marker
           </button>
