@@ -5,6 +5,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "ugoki/base/result.h"
 
@@ -38,6 +39,20 @@ bool take_number(std::string_view& in, T& x) {
   std::string_view text;
   if (!take(in, text) || text.size() != sizeof x) return false;
   std::memcpy(&x, text.data(), sizeof x);
+  return true;
+}
+
+/// Lists of numbers, or of structures of numbers.
+template <class T>
+void put_list(std::string& out, const std::vector<T>& list) {
+  put(out, {reinterpret_cast<const char*>(list.data()), list.size() * sizeof(T)});
+}
+template <class T>
+bool take_list(std::string_view& in, std::vector<T>& list) {
+  std::string_view text;
+  if (!take(in, text) || text.size() % sizeof(T) != 0) return false;
+  list.resize(text.size() / sizeof(T));
+  if (!list.empty()) std::memcpy(list.data(), text.data(), text.size());
   return true;
 }
 

@@ -3,7 +3,6 @@
 #include "ugoki/scene_formats/mesh_scene.h"
 
 #include <cstdint>
-#include <cstring>
 #include <string>
 
 #include "ugoki/scene_formats/guarded_answer.h"
@@ -12,19 +11,6 @@
 
 namespace ugoki::scene_formats {
 namespace {
-
-template <class T>
-void put_list(std::string& out, const std::vector<T>& list) {
-  put(out, {reinterpret_cast<const char*>(list.data()), list.size() * sizeof(T)});
-}
-template <class T>
-bool take_list(std::string_view& in, std::vector<T>& list) {
-  std::string_view text;
-  if (!take(in, text) || text.size() % sizeof(T) != 0) return false;
-  list.resize(text.size() / sizeof(T));
-  if (!list.empty()) std::memcpy(list.data(), text.data(), text.size());
-  return true;
-}
 
 /// Runs in the child process.
 std::string answer_of(std::span<const std::byte> bytes, std::string_view file_name, const MeshOptions& options) {

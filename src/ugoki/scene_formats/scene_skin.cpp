@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
-#include <cstring>
 #include <string>
 
 #include "ugoki/formats/text.h"
@@ -17,18 +16,6 @@
 namespace ugoki::scene_formats {
 namespace {
 
-template <class T>
-void put_list(std::string& out, const std::vector<T>& list) {
-  put(out, {reinterpret_cast<const char*>(list.data()), list.size() * sizeof(T)});
-}
-template <class T>
-bool take_list(std::string_view& in, std::vector<T>& list) {
-  std::string_view text;
-  if (!take(in, text) || text.size() % sizeof(T) != 0) return false;
-  list.resize(text.size() / sizeof(T));
-  if (!text.empty()) std::memcpy(list.data(), text.data(), text.size());
-  return true;
-}
 bool take_text(std::string_view& in, std::string& out) {
   std::string_view text;
   if (!take(in, text)) return false;
