@@ -1,10 +1,9 @@
 /** The button at the right end of the top bar that lists everything that the project can be exported as. */
 import { useState, type ReactElement } from 'react';
-import { show_key } from '../core/keymap';
 import { format_bytes } from '../core/library/words';
 import { bytes_of_skins } from '../core/skins';
-import { run } from './actions';
-import { registry, useStudio } from './app';
+import { useStudio } from './app';
+import { command_item } from './command_item';
 import { Icon } from './icons';
 import { Menu, type MenuItem } from './Menu';
 
@@ -15,11 +14,7 @@ export function ExportMenu(): ReactElement {
   const [at, set_at] = useState<{ x: number; y: number } | null>(null);
   const skins = bytes_of_skins(characters ?? [], mechanisms);
   const with_skins = (text: string): string => (skins > 0 ? `${text}; ${format_bytes(skins)} of skins` : text);
-  const entry = (id: string, label: string, detail: string, apart = false): MenuItem => {
-    const command = registry.get(id);
-    const key = command && registry.keys_of(command, keymap)[0];
-    return { label, detail, key: key && show_key(key), apart, disabled: command?.enabled?.() === false, run: () => run(id) };
-  };
+  const entry = (id: string, label: string, detail: string, apart = false): MenuItem => command_item(id, keymap, { label, detail, apart });
   const items: MenuItem[] = [
     entry('file.export_html', 'Web page', with_skins('one file, plays in a browser')),
     entry('file.export_native', 'Program', with_skins('for Linux, without a browser')),

@@ -1,9 +1,8 @@
 /** The menu of the project, the dialog that opens a project, and the gallery for new projects. */
 import { useState, type KeyboardEvent, type ReactElement } from 'react';
 import { gallery, type GalleryEntry } from '../core/gallery';
-import { show_key } from '../core/keymap';
-import { run } from './actions';
-import { registry, session, useStudio } from './app';
+import { session, useStudio } from './app';
+import { command_item } from './command_item';
 import { Backdrop } from './dialogs';
 import { Icon } from './icons';
 import { Menu, type MenuItem } from './Menu';
@@ -17,11 +16,7 @@ export function ProjectMenu(): ReactElement {
   const recent = useStudio((s) => s.recent);
   const keymap = useStudio((s) => s.keymap);
   const [at, set_at] = useState<{ x: number; y: number } | null>(null);
-  const command = (id: string, apart = false): MenuItem => {
-    const found = registry.get(id);
-    const key = found && registry.keys_of(found, keymap)[0];
-    return { label: found?.label ?? id, key: key && show_key(key), apart, disabled: found?.enabled?.() === false, run: () => run(id) };
-  };
+  const command = (id: string, apart = false): MenuItem => command_item(id, keymap, { apart });
   const others = recent.filter((r) => r.path !== project?.path).slice(0, 6);
   const items: MenuItem[] = [
     command('file.new'),
