@@ -18,8 +18,14 @@ export const body_journeys = [
       const shot = async (name) => {
         const before = await page.evaluate(() => window.ugoki.pictures);
         await until(page, () => page.evaluate((n) => window.ugoki.pictures > n, before).then((done) => done || page.waitForTimeout(700).then(() => true)), 'a picture');
-        await page.waitForTimeout(700);
-        return page.screenshot({ path: `${pictures}${name}.png`, clip: box });
+        // a still view is drawn finer after a moment, and the smooth surface is rough at first
+        let picture = Buffer.alloc(0);
+        for (let tries = 0, last = null; tries < 20 && !(last && picture.equals(last)); tries++) {
+          last = picture;
+          await page.waitForTimeout(1000);
+          picture = await page.screenshot({ path: `${pictures}${name}.png`, clip: box });
+        }
+        return picture;
       };
       const shapes = page.getByRole('button', { name: 'Shapes', exact: true });
       assert.equal(await shapes.getAttribute('aria-pressed'), 'false');
