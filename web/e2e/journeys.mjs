@@ -134,7 +134,7 @@ function shake_hands(address, path, headers = {}) {
   });
 }
 
-/** The first journey of each worker of run.mjs: opens the studio. */
+/** The first journey of run.mjs: opens the studio. */
 export const opening = {
   name: 'the page loads from the printed address, without requests to other hosts',
   async run({ page, service, seen }) {

@@ -21,6 +21,8 @@ export const pull_journeys = [
       await until(page, async () => (await hook(page, 'frame()')).time < 0.05, 'the start');
       await page.locator('.transport').getByRole('button', { name: 'Play' }).click();
       await until(page, async () => (await hook(page, 'frame()')).simulate && (await hook(page, 'frame()')).time > 0.2, 'the simulation to run');
+      await page.locator('.viewport > canvas').hover();
+      await page.keyboard.press('a'); // the view of the journey before may not contain the hand
       const hand = await hook(page, `link_index(${JSON.stringify(human.id)}, 'hand right')`);
       let point;
       const grabbed = async () => {
@@ -31,7 +33,7 @@ export const pull_journeys = [
         return false;
       };
       for (let attempt = 0; ; attempt++) {
-        point = await hook(page, `link_on_screen(${JSON.stringify(human.id)}, ${hand})`);
+        point = await until(page, () => hook(page, `link_on_screen(${JSON.stringify(human.id)}, ${hand})`), 'the hand in view');
         await page.mouse.move(point.x, point.y);
         await page.mouse.down();
         if (await grabbed()) break;

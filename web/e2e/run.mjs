@@ -1,14 +1,10 @@
 // npm run e2e [-- [--slow] words[|words]]: runs the journeys whose names contain the words (one of the groups of words); prints one line for each and
 // the counts. With --slow also those that take minutes.
-// The groups of journeys (journeys.mjs) are distributed among workers: processes of this program with the option --worker, each with a service and a
-// browser of its own. Workers disturb each other; a group in which a journey fails is therefore run again at the end, by one worker alone.
+// All journeys use one service and one page: two browsers at a time are not faster on two cores, and journeys then miss time limits.
 // A journey that fails runs a second time in the restored studio, because a busy machine can miss a time limit; its line names the first failure.
 // The viewport is drawn at a low resolution, because Chromium draws with the processor; with UGOKI_PICTURES=1 at full resolution, for people
 // who look at the pictures in out/.
 // Environment: UGOKI_BIN, UGOKI_CHROMIUM, UGOKI_MOCK=1, UGOKI_PICTURES=1.
-import { fork } from 'node:child_process';
-import { availableParallelism } from 'node:os';
-import { fileURLToPath } from 'node:url';
 import { launch, ready } from './browser.mjs';
 import { closing, groups, opening } from './journeys.mjs';
 import { available, program, start_service } from './service.mjs';
@@ -17,7 +13,6 @@ const slow = process.argv.includes('--slow');
 const choices = process.argv.slice(2).filter((word) => !word.startsWith('--')).join(' ').split('|').map((words) => words.trim());
 const chosen = (journey) => (slow || !journey.slow) && choices.some((words) => journey.name.includes(words));
 const chosen_groups = groups.map((group) => group.filter(chosen)).filter((group) => group.length > 0);
-const max_workers = 1; // two on two cores are not faster: they disturb each other, and journeys that miss a time limit are run again
 
 let passed = 0;
 let failed = 0;
@@ -90,12 +85,12 @@ async function attempt(journey, context, before) {
   }
 }
 
-/** Runs one journey and adds its line to context.lines; the closing journey, which follows each group, adds one only if it fails. */
+/** Runs one journey and prints its line; the closing journey, which follows each group, has one only if it fails. */
 async function run(journey, context) {
-  const { page, service, lines } = context; // lines: of the present group
+  const { page, service } = context;
   const skip = journey.skip || (await journey.unless?.({ page }));
   if (skip) {
-    lines.push(`skip ${journey.name}: ${skip}`);
+    console.log(`skip ${journey.name}: ${skip}`);
     skipped++;
     return;
   }
@@ -104,14 +99,13 @@ async function run(journey, context) {
   try {
     const first = await attempt(journey, context, before);
     if (journey === closing) return;
-    lines.push(`ok ${journey.name} (${((Date.now() - began) / 1000).toFixed(1)} s)${first ? ` at the second attempt; the first: ${String(first.message ?? first).split('\n').filter((line, i, lines) => i === 0 || i === lines.length - 1).join(' ')}` : ''}`);
+    console.log(`ok ${journey.name} (${((Date.now() - began) / 1000).toFixed(1)} s)${first ? ` at the second attempt; the first: ${String(first.message ?? first).split('\n').filter((line, i, lines) => i === 0 || i === lines.length - 1).join(' ')}` : ''}`);
     passed++;
   } catch (error) {
-    lines.push(`not ok ${journey.name}\n  ${indented(error)}`);
+    console.log(`not ok ${journey.name}\n  ${indented(error)}`);
     failed++;
-    context.failed = true;
     if (journey === opening || service.ended()) throw error;
-    if (before) await recover(page, before, service.folder).catch((e) => lines.push(`  the studio was not restored: ${e.message}`));
+    if (before) await recover(page, before, service.folder).catch((e) => console.log(`  the studio was not restored: ${e.message}`));
   }
 }
 
@@ -123,24 +117,11 @@ async function show_viewport(page) {
   await ready(page);
 }
 
-/** Index of the next group, from the first process; -1: no group is left. */
-const next_group = () => new Promise((resolve) => {
-  process.once('message', ({ group }) => resolve(group));
-  process.send({ ask: true });
-});
-
-/** In a worker: runs groups of journeys until no group is left, and sends the result of each to the first process. */
-async function work() {
+/** Runs all chosen journeys. */
+async function run_all() {
   const service = await start_service();
   const browser = await launch();
-  let at = -1;
-  const context = { service, seen: { requests: [], errors: [] }, memory: {}, lines: [] };
-  const send = () => {
-    if (failed > 0) context.lines.push(`  output of the service: ${service.output().slice(-1500)}`);
-    process.send({ group: at, lines: context.lines, passed, failed, skipped });
-    context.lines = [];
-    passed = failed = skipped = 0;
-  };
+  const context = { service, seen: { requests: [], errors: [] }, memory: {} };
   try {
     const page = await browser.newPage({ viewport: { width: 1440, height: 900 } });
     context.page = page;
@@ -158,80 +139,28 @@ async function work() {
       if (m.type() === 'error' && !/status of 4\d\d/.test(m.text())) seen.errors.push(m.text());
     });
     await run(opening, context);
-    send();
-    for (at = await next_group(); at >= 0; at = await next_group()) {
-      for (const journey of chosen_groups[at]) await run(journey, context);
+    for (const group of chosen_groups) {
+      const failed_before = failed;
+      for (const journey of group) await run(journey, context);
       await run(closing, context);
+      if (failed > failed_before) console.log(`  output of the service: ${service.output().slice(-1500)}`);
       seen.errors.length = 0;
       await show_viewport(page);
-      send();
     }
   } catch (error) {
-    if (failed === 0) context.lines.push(`not ok the studio runs\n  ${indented(error)}`);
+    if (failed === 0) console.log(`not ok the studio runs\n  ${indented(error)}\n  output of the service: ${service.output().slice(-1500)}`);
     failed = Math.max(1, failed);
-    send();
   } finally {
     await browser.close();
     await service.stop();
   }
 }
 
-/** Prints the lines of a result of a worker, and adds its counts. */
-function count(result) {
-  for (const line of result.lines) console.log(line);
-  passed += result.passed;
-  failed += result.failed;
-  skipped += result.skipped;
-}
-
-/** Starts a worker that takes groups from the end of `queue`. @param result called with the result of each group; group -1: of the opening */
-const start_worker = (queue, result) => new Promise((resolve) => {
-  const child = fork(fileURLToPath(import.meta.url), [...process.argv.slice(2), '--worker']);
-  let current = -1;
-  child.on('message', (message) => {
-    if (message.ask) child.send({ group: (current = queue.pop() ?? -1) });
-    else {
-      current = -1;
-      result(message);
-    }
-  });
-  child.on('exit', (code, signal) => {
-    if (code !== 0 || current >= 0) result({ group: current, lines: [`not ok a worker of the journeys ended with ${signal ?? code}`], passed: 0, failed: 1, skipped: 0 });
-    resolve();
-  });
-});
-
-/** Runs all chosen journeys in workers, and groups in which one failed again by one worker alone. */
-async function distribute() {
-  if (!available) {
-    for (const journey of chosen_groups.flat()) console.log(`skip ${journey.name}: there is no program at ${program}; build it, or set UGOKI_BIN to its path`);
-    skipped = chosen_groups.flat().length;
-    return;
-  }
-  const workers = Math.min(max_workers, availableParallelism(), chosen_groups.length);
-  const queue = chosen_groups.map((_, i) => i).reverse();
-  const again = [];
-  if (workers > 1) {
-    const result = (message) => {
-      if (message.failed === 0) return count(message);
-      for (const line of message.lines) console.log(line.replace(/^(not )?ok /, 'again '));
-      if (message.group >= 0) again.push(message.group);
-    };
-    await Promise.all(Array.from({ length: workers }, () => start_worker(queue, result)));
-  }
-  queue.push(...again);
-  if (queue.length > 0) await start_worker(queue, count);
-  for (const group of queue) {
-    console.log(`not ok ${chosen_groups[group][0].name}: it was not run`);
-    failed++;
-  }
-}
-
-if (process.argv.includes('--worker')) {
-  await work();
-  process.exit(0);
+if (available) {
+  await run_all();
 } else {
-  await distribute();
-  console.log(`${passed} passed, ${failed} failed${skipped ? `, ${skipped} skipped` : ''}`);
-  process.exit(failed > 0 ? 1 : 0);
+  for (const journey of chosen_groups.flat()) console.log(`skip ${journey.name}: there is no program at ${program}; build it, or set UGOKI_BIN to its path`);
+  skipped = chosen_groups.flat().length;
 }
+console.log(`${passed} passed, ${failed} failed${skipped ? `, ${skipped} skipped` : ''}`);
+process.exit(failed > 0 ? 1 : 0);

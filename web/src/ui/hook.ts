@@ -158,7 +158,9 @@ export function expose_hook(): void {
       const f = found.frame.floats;
       const rotation = new THREE.Quaternion(f[at + 4], f[at + 5], f[at + 6], f[at + 3]);
       const middle = new THREE.Vector3(...(shape ? (shape.pose.slice(0, 3) as [number, number, number]) : ([0, 0, 0] as const)));
-      return parts.viewport.to_client(middle.applyQuaternion(rotation).add(new THREE.Vector3(f[at], f[at + 1], f[at + 2])));
+      const point = parts.viewport.to_client(middle.applyQuaternion(rotation).add(new THREE.Vector3(f[at], f[at + 1], f[at + 2])));
+      const { left, right, top, bottom } = parts.viewport.canvas.getBoundingClientRect();
+      return point && point.x > left && point.x < right && point.y > top && point.y < bottom ? point : null;
     },
     posing: () => {
       const { on, reply, target, pending, ghosts } = poser.state;

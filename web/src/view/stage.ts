@@ -42,6 +42,8 @@ export class Stage {
   private height = 1;
   /** WebGL sync object that is signalled when the graphics processor has finished the last frame; null: none is pending. */
   private fence: WebGLSync | null = null;
+  private began = 0; // time of the last render(), ms
+  private drawn_in = 0; // ms from the last render() to the first look at `free` that found its frame finished
   private slow_frames = 0;
   private fast_frames = 0;
 
@@ -138,8 +140,14 @@ export class Stage {
       if (!gl.isContextLost() && gl.getSyncParameter(this.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
       gl.deleteSync(this.fence);
       this.fence = null;
+      this.drawn_in = performance.now() - this.began;
     }
     return true;
+  }
+
+  /** True until as much time has passed since the last frame was finished as drawing it took, and at most 250 ms. */
+  get rests(): boolean {
+    return performance.now() - this.began < this.drawn_in + Math.min(this.drawn_in, 250);
   }
 
   /**
@@ -147,6 +155,7 @@ export class Stage {
    * @param draft true: a lower resolution is enough
    */
   render(camera: THREE.Camera, still: boolean, draft = false): void {
+    this.began = performance.now();
     this.set_ratio(still, draft);
     this.scene.updateMatrixWorld();
     this.shadow_region.limit(this.key, this.floor.place_patches(this.scene, this.key));

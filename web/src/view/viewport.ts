@@ -389,7 +389,8 @@ export class Viewport {
 
   private readonly tick = (now: number): void => {
     this.handle = requestAnimationFrame(this.tick);
-    if (!this.stage.free) return;
+    const { draft } = this.session.state.view;
+    if (!this.stage.free || (draft && this.stage.rests)) return;
     const dt = Math.min(0.4, Math.max(0.001, (now - this.last_tick) / 1000));
     this.last_tick = now;
     if (this.rect.width <= 2) return;
@@ -400,13 +401,13 @@ export class Viewport {
     if (!this.dirty) {
       // slow machines draw frames at reduced resolution while something moves; 180 ms after the last motion one frame is drawn at full
       // resolution
-      if (!this.drawn_still && now - this.still_since > 180) this.draw(frame, true, this.session.state.view.draft);
+      if (!this.drawn_still && now - this.still_since > 180) this.draw(frame, true, draft);
       return;
     }
-    if (this.still_since > 0 && now - this.still_since < 200) this.stage.note_frame_time(dt * 1000);
+    if (!draft && this.still_since > 0 && now - this.still_since < 200) this.stage.note_frame_time(dt * 1000);
     this.still_since = now;
     this.dirty = false;
-    this.draw(frame, false, this.session.state.view.draft);
+    this.draw(frame, false, draft);
   };
 
   private draw(frame: Frame | null, still: boolean, draft = false): void {
