@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <map>
+
+#include "field_names.h"
 #include "fixture.h"
+#include "mesh_body.h"
 #include "random_commands.h"
 #include "ugoki/content/delta.h"
 
@@ -12,6 +17,51 @@ namespace {
 using testing::make_resources;
 using testing::make_scenario;
 
+/// Fields without a value in a new document that random commands must set: one of each part of the document that is optional.
+constexpr std::array optional_fields = {"characters/*/track/*/gait/stages/*/speed",
+                                        "characters/*/track/*/layers/*/joints/*/keys/*/value/*",
+                                        "characters/*/secondary/*/frequency",
+                                        "characters/*/link_colors/*",
+                                        "characters/*/shape_colors/*",
+                                        "characters/*/shown",
+                                        "characters/*/control/swing",
+                                        "characters/*/group",
+                                        "characters/*/muted",
+                                        "characters/*/solo",
+                                        "characters/*/locked",
+                                        "characters/*/prop/mesh",
+                                        "events/*/push/force/*",
+                                        "events/*/pull/path/*/*",
+                                        "events/*/throw/spin/*",
+                                        "events/*/grab/reach",
+                                        "events/*/release/link",
+                                        "rules/*/if/*/key/key",
+                                        "rules/*/if/*/touch/other",
+                                        "rules/*/if/*/near/distance",
+                                        "rules/*/if/*/time/time",
+                                        "rules/*/if/*/playing/rule",
+                                        "rules/*/if/*/released/character",
+                                        "rules/*/if/*/variable/compare",
+                                        "rules/*/if/*/time/not",
+                                        "rules/*/do/play/motion",
+                                        "rules/*/do/push/duration",
+                                        "rules/*/do/grab/limit",
+                                        "rules/*/do/release/link",
+                                        "rules/*/do/set/change",
+                                        "variables/*/unit",
+                                        "poses/*/joints/*/q/*",
+                                        "markers/*/time",
+                                        "track_order/*",
+                                        "range/to",
+                                        "cameras/*/keys/*/field_of_view",
+                                        "shots/*/camera",
+                                        "look/sky/zenith",
+                                        "look/sun/color",
+                                        "circuit/lsis/*/type",
+                                        "circuit/wires/*/from",
+                                        "circuit/notes/*/text",
+                                        "circuit/probes/*/pin",
+                                        "circuit/circuits/*/name"};
 class CommandsTest : public ::testing::Test {
  protected:
   /// Applies the command to the document and expects success. @return the label
@@ -251,6 +301,29 @@ TEST_F(CommandsTest, DeltasOfRandomEditsWorkInBothDirections) {
     document = effect->scenario;
   }
   EXPECT_GT(accepted, 200);
+}
+
+// The tests of undo and redo use these random commands. A new type of command, or of item, belongs into them.
+TEST_F(CommandsTest, RandomCommandsReachEveryTypeAndItem) {
+  constexpr unsigned seed = 2026;
+  SCOPED_TRACE(seed);
+  Resources with_mesh = make_resources();
+  with_mesh.mechanisms["m-table"] = testing::body_of({{{-0.5, -0.5, 0}, {0.5, 0.5, 0.7}}});
+  const Catalogue known = catalogue_of(with_mesh);
+  testing::RandomCommands random(seed);
+  testing::FieldNames fields;
+  std::map<std::string_view, int> applied;
+  for (int i = 0; i < 3000; ++i) {
+    const std::string command = random.next(document);
+    auto effect = apply_command(document, command, known, next_id);
+    if (!effect || effect->scenario == document) continue;
+    document = std::move(effect->scenario);
+    fields.add(parse_json(write_scenario(document), "document").value());
+    for (const std::string_view type : command_types())
+      if (command.find("\"type\": \"" + std::string(type) + "\"") != std::string::npos) ++applied[type];
+  }
+  for (const std::string_view type : command_types()) EXPECT_GT(applied[type], 0) << "no command " << type;
+  for (const char* field : optional_fields) EXPECT_TRUE(fields.has(field)) << "no document had the field " << field;
 }
 
 TEST(Delta, RefusesADeltaThatDoesNotFitTheDocument) {

@@ -53,6 +53,13 @@ TEST_F(PropTest, RefusesFaultyOnes) {
   bad(R"("prop": {"colour": 1})", ErrorCode::unknown, "command/prop/colour");
 }
 
+TEST_F(PropTest, RefusesAnotherMechanism) {
+  add(R"("prop": {})");
+  const std::string id = document.characters[0].id, mechanism = document.characters[0].mechanism;
+  refuses(R"({"type": "character.set", "id": ")" + id + R"(", "mechanism": "m-ball"})", ErrorCode::structure, "command/mechanism");
+  apply(R"({"type": "character.set", "id": ")" + id + R"(", "mechanism": ")" + mechanism + R"(", "name": "Box"})");
+}
+
 TEST_F(PropTest, MassesAreThoseOfSolids) {
   Prop p;
   p.shape = PropShape::cylinder;

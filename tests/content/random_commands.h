@@ -2,23 +2,22 @@
 // Random commands for a scenario. Most are valid; some are refused.
 
 #include <array>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "ugoki/content/scenario.h"
+#include "random_items.h"
 
 namespace ugoki::content::testing {
 
-class RandomCommands {
+class RandomCommands : public RandomItems {
  public:
-  explicit RandomCommands(unsigned seed) : random_(seed) {}
+  using RandomItems::RandomItems;
 
   /// A random command (JSON) for the document `s`.
   std::string next(const Scenario& s) {
     if (std::string removal = shrink(s); !removal.empty()) return removal;
-    switch (pick(44)) {
+    switch (pick(47 + item_kinds)) {
       case 0:
         return R"({"type": "clip.add", "character": "human", "motion": ")" + std::string(pick(2) ? "n-walk" : "n-step") +
                R"(", "start": )" + number(0, 8) + "}";
@@ -72,12 +71,14 @@ class RandomCommands {
         return R"({"type": "rule.)" + std::string(pick(2) ? "move" : "remove") + R"(", "id": ")" + s.rules[pick(s.rules.size())].id + "\"" +
                (pick(2) ? R"(, "at": 0})" : "}");
       case 20:
+      case 44:
         return command_on_clip(s, "layer.add",
                                R"("value": {"mode": ")" + std::string(pick(2) ? "additive" : "replace") + R"(", "ease_in": )" +
                                    (pick(2) ? "null" : number(0, 1)) + R"(, "weight": )" + number(0, 1.05) + "}");
       case 21:
       case 22: return key_command(s);
       case 23:
+      case 45:
         return layer_command(s, "layer.set",
                              R"(, "value": {"on": )" + std::string(pick(2) ? "true" : "false") + R"(, "weight": )" + number(0, 1) +
                                  R"(, "ease_out": )" + number(0, 2) + "}");
@@ -85,6 +86,7 @@ class RandomCommands {
       case 41:
         return layer_command(s, "layer.move", R"(, "at": )" + std::to_string(pick(3)));  // most layers have no other one in their clip
       case 24:
+      case 46:
         return pick(3) == 0 ? layer_command(s, "layer.remove", "")
                             : layer_command(s, "layer.move", R"(, "at": )" + std::to_string(pick(3)));
       case 25: {
@@ -138,17 +140,16 @@ class RandomCommands {
                R"(", "change": ")" + std::array{"set", "add", "toggle"}[pick(3)] + R"(", "value": )" + number(-5, 5) + "}}}";
       case 42: return R"({"type": "character.add", "prop": )" + prop() + R"(, "place": {"z": )" + number(0, 2) + "}}";
       case 43: return R"({"type": "character.set", "id": ")" + any_character(s) + R"(", "prop": )" + prop() + "}";
-      default:
+      case 39:
         return pick(2) ? R"({"type": "scenario.set", "duration": )" + number(1, 30) + R"(, "look": {"light": )" + number(0, 2.1) + "}}"
                        : circuit_command();
+      default:
+        if (std::string command = item_command(s); !command.empty()) return command;
+        return next(s);
     }
   }
 
-  /// Random index from 0 to `n` - 1.
-  std::size_t pick(std::size_t n) { return random_() % n; }
-
  private:
-  std::string number(double low, double high) { return std::to_string(low + (high - low) * static_cast<double>(pick(10'000)) / 9'999); }
   /// Splits any clip of the first character.
   std::string split_command(const Scenario& s) {
     if (s.characters.empty() || s.characters[0].track.empty()) return R"({"type": "clip.remove", "character": "human", "id": "none"})";
@@ -171,6 +172,10 @@ class RandomCommands {
     return R"({"type": "circuit.edit", "changes": [{"list": "lsis", "put": )" + lsi + "}]}";
   }
   std::string prop() {
+    if (pick(7) == 0)
+      return R"({"shape": "mesh", "mesh": "m-table", "scale": )" + vector(0.5, 2) + R"(, "collision": )" +
+             word({"hull", "parts", "surface"}) + R"(, "tilt": )" + vector(-90, 90) + R"(, "friction": )" + number(0, 2) +
+             R"(, "restitution": )" + number(0, 1) + "}";
     return R"({"shape": ")" + std::string(std::array{"box", "ramp", "stairs", "cylinder", "sphere", "bar"}[pick(6)]) + R"(", "size": [)" +
            number(-0.05, 2) + ", 1, " + number(0.1, 3) + R"(], "mass": )" + (pick(2) ? "0" : number(0, 20)) + R"(, "steps": )" +
            std::to_string(pick(8)) + "}";
@@ -250,8 +255,6 @@ class RandomCommands {
            "\"" + more + "}";
   }
   std::string clip_command(const Scenario& s, const std::string& fields) { return command_on(s, "clip.set", ", " + fields); }
-
-  std::mt19937 random_;
 };
 
 }  // namespace ugoki::content::testing

@@ -24,6 +24,13 @@ class Work {
     effect_.scenario = scenario;
   }
 
+  /// A type of command, and the function that reads and applies it.
+  struct Kind {
+    std::string_view type;
+    std::string (Work::*run)(Fields&);
+  };
+  static const std::array<Kind, 39> kinds;
+
   /// Applies one command to the copy. Problems are collected and returned by finish(). @return the label for undo menus
   std::string apply(const Json& command, const std::string& path) {
     Fields f(command, path, problems_);
@@ -31,49 +38,6 @@ class Work {
     f.require("type", "the command's type, for example \"clip.add\"");
     f.text("type", type);
     if (!problems_.empty()) return {};
-    struct Kind {
-      std::string_view type;
-      std::string (Work::*run)(Fields&);
-    };
-    static constexpr std::array<Kind, 39> kinds = {{{"clip.add", &Work::clip_add},
-                                                    {"clip.set", &Work::clip_set},
-                                                    {"clip.remove", &Work::clip_remove},
-                                                    {"clip.split", &Work::clip_split},
-                                                    {"layer.add", &Work::layer_add},
-                                                    {"layer.set", &Work::on_clip<set_layer>},
-                                                    {"layer.remove", &Work::on_clip<remove_layer>},
-                                                    {"layer.move", &Work::on_clip<move_layer>},
-                                                    {"key.edit", &Work::on_clip<edit_keys>},
-                                                    {"character.add", &Work::character_add},
-                                                    {"character.set", &Work::character_set},
-                                                    {"character.remove", &Work::character_remove},
-                                                    {"event.add", &Work::event_add},
-                                                    {"event.set", &Work::event_set},
-                                                    {"event.remove", &Work::event_remove},
-                                                    {"marker.add", &Work::marker_add},
-                                                    {"marker.set", &Work::marker_set},
-                                                    {"marker.remove", &Work::marker_remove},
-                                                    {"rule.add", &Work::rule_add},
-                                                    {"rule.set", &Work::rule_set},
-                                                    {"rule.move", &Work::rule_move},
-                                                    {"rule.remove", &Work::rule_remove},
-                                                    {"variable.add", &Work::add_item<add_variable>},
-                                                    {"variable.set", &Work::on_document<set_variable>},
-                                                    {"variable.remove", &Work::on_document<drop_variable>},
-                                                    {"pose.add", &Work::add_item<add_pose>},
-                                                    {"pose.set", &Work::on_document<set_pose>},
-                                                    {"pose.remove", &Work::on_document<remove_pose>},
-                                                    {"track.move", &Work::track_move},
-                                                    {"camera.add", &Work::add_item<add_camera>},
-                                                    {"camera.set", &Work::on_document<set_camera>},
-                                                    {"camera.remove", &Work::on_document<remove_camera>},
-                                                    {"shot.add", &Work::add_item<add_shot>},
-                                                    {"shot.set", &Work::on_document<set_shot>},
-                                                    {"shot.remove", &Work::on_document<remove_shot>},
-                                                    {"scenario.set", &Work::scenario_set},
-                                                    {"circuit.set", &Work::circuit_set},
-                                                    {"circuit.edit", &Work::circuit_edit},
-                                                    {"group", &Work::group}}};
     for (const Kind& kind : kinds) {
       if (kind.type != type) continue;
       std::string label = (this->*kind.run)(f);
@@ -279,6 +243,10 @@ class Work {
     const ScenarioCharacter before = *c;
     read_character(f, *c);
     c->id = before.id;
+    if (c->prop && c->mechanism != prop_mechanism_id(*c->prop))
+      problems_.add(ErrorCode::structure, f.path("mechanism"),
+                    "'" + c->name + "' is a prop; its mechanism is made from the values of the prop.",
+                    "Set the fields of `prop`, or add a character with this mechanism.");
     if (c->prop != before.prop) return "Change prop";
     if (c->mechanism != before.mechanism) return "Replace mechanism of character";
     if (!(c->place == before.place)) return "Place character";
@@ -534,6 +502,46 @@ class Work {
   std::size_t count_ = 0;
 };
 
+const std::array<Work::Kind, 39> Work::kinds = {{{"clip.add", &Work::clip_add},
+                                                 {"clip.set", &Work::clip_set},
+                                                 {"clip.remove", &Work::clip_remove},
+                                                 {"clip.split", &Work::clip_split},
+                                                 {"layer.add", &Work::layer_add},
+                                                 {"layer.set", &Work::on_clip<set_layer>},
+                                                 {"layer.remove", &Work::on_clip<remove_layer>},
+                                                 {"layer.move", &Work::on_clip<move_layer>},
+                                                 {"key.edit", &Work::on_clip<edit_keys>},
+                                                 {"character.add", &Work::character_add},
+                                                 {"character.set", &Work::character_set},
+                                                 {"character.remove", &Work::character_remove},
+                                                 {"event.add", &Work::event_add},
+                                                 {"event.set", &Work::event_set},
+                                                 {"event.remove", &Work::event_remove},
+                                                 {"marker.add", &Work::marker_add},
+                                                 {"marker.set", &Work::marker_set},
+                                                 {"marker.remove", &Work::marker_remove},
+                                                 {"rule.add", &Work::rule_add},
+                                                 {"rule.set", &Work::rule_set},
+                                                 {"rule.move", &Work::rule_move},
+                                                 {"rule.remove", &Work::rule_remove},
+                                                 {"variable.add", &Work::add_item<add_variable>},
+                                                 {"variable.set", &Work::on_document<set_variable>},
+                                                 {"variable.remove", &Work::on_document<drop_variable>},
+                                                 {"pose.add", &Work::add_item<add_pose>},
+                                                 {"pose.set", &Work::on_document<set_pose>},
+                                                 {"pose.remove", &Work::on_document<remove_pose>},
+                                                 {"track.move", &Work::track_move},
+                                                 {"camera.add", &Work::add_item<add_camera>},
+                                                 {"camera.set", &Work::on_document<set_camera>},
+                                                 {"camera.remove", &Work::on_document<remove_camera>},
+                                                 {"shot.add", &Work::add_item<add_shot>},
+                                                 {"shot.set", &Work::on_document<set_shot>},
+                                                 {"shot.remove", &Work::on_document<remove_shot>},
+                                                 {"scenario.set", &Work::scenario_set},
+                                                 {"circuit.set", &Work::circuit_set},
+                                                 {"circuit.edit", &Work::circuit_edit},
+                                                 {"group", &Work::group}}};
+
 void collect_resources(const Json& command, std::vector<std::string>& out) {
   if (!command.is_object()) return;
   for (const char* key : {"motion", "mechanism", "mesh"})
@@ -556,6 +564,12 @@ Result<CommandEffect> apply_command(const Scenario& scenario, std::string_view c
   Result<CommandEffect> effect = work.finish(std::move(label));
   if (effect) next_id = counter;
   return effect;
+}
+
+std::vector<std::string_view> command_types() {
+  std::vector<std::string_view> types;
+  for (const Work::Kind& kind : Work::kinds) types.push_back(kind.type);
+  return types;
 }
 
 std::vector<std::string> resources_named(std::string_view command) {

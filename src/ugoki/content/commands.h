@@ -24,6 +24,9 @@ struct CommandEffect {
 [[nodiscard]] Result<CommandEffect> apply_command(const Scenario& scenario, std::string_view command, const Catalogue& catalogue,
                                                   std::uint64_t& next_id);
 
+/// Values of the field `type` of all commands, for example "clip.add".
+[[nodiscard]] std::vector<std::string_view> command_types();
+
 /// Returns the ids of the mechanisms and motions that the command refers to, so that the caller can fetch them from a library before it
 /// applies the command. Empty for a malformed command.
 [[nodiscard]] std::vector<std::string> resources_named(std::string_view command);
