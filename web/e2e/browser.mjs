@@ -33,18 +33,41 @@ export const text_of = async (page) => JSON.stringify(await document_of(page));
 /** Takes the focus from fields, so that keys reach the page. */
 export const blur = (page) => page.evaluate('document.activeElement?.blur?.()');
 
-/** Undoes commands until the text of the document is `wanted`. */
+/** Undoes or redoes one command by a key, and waits until it is done. */
+export async function step_history(page, key) {
+  const { revision } = await page.evaluate('window.ugoki.undo()');
+  await page.keyboard.press(key);
+  await until(page, async () => (await page.evaluate('window.ugoki.undo()')).revision !== revision, `the command after ${key}`, 20000);
+}
+
+/** Undoes commands until the text of the document is `wanted`. @return the number of undone commands */
 export async function undo_to(page, wanted) {
   await blur(page);
-  for (let i = 0; (await text_of(page)) !== wanted; i++) {
-    const { can_undo, revision } = await page.evaluate('window.ugoki.undo()');
-    if (!can_undo || i >= 60) throw new Error('undo does not lead to the former document');
-    await page.keyboard.press('Control+z');
-    await until(page, async () => (await page.evaluate('window.ugoki.undo()')).revision !== revision, 'an undone command', 20000);
+  let count = 0;
+  for (; (await text_of(page)) !== wanted; count++) {
+    if (!(await page.evaluate('window.ugoki.undo()')).can_undo || count >= 60) throw new Error('undo does not lead to the former document');
+    await step_history(page, 'Control+z');
   }
+  return count;
 }
 /** Switches to 'Edit' or 'Simulate'. */
 export async function set_mode(page, name) {
   await page.getByRole('radio', { name }).click();
   await until(page, () => page.evaluate((mode) => window.ugoki.transport().mode === mode, name.toLowerCase()), name);
+}
+
+/** Waits until the camera of the viewport has reached its place, so that positions on the screen stay valid. */
+export const camera_rests = (page) => until(page, () => page.evaluate('!(window.ugoki.camera()?.moving ?? true)'), 'a camera at rest');
+
+/** Waits until three answers of `ask`, 100 ms apart, are equal, and returns the answer. */
+export async function steady(page, ask, description) {
+  let last, equal = 0;
+  await until(page, async () => {
+    const now = JSON.stringify(await ask());
+    equal = now === last ? equal + 1 : 0;
+    last = now;
+    await page.waitForTimeout(40);
+    return equal >= 2;
+  }, description);
+  return JSON.parse(last);
 }

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
 import { violations } from './accessibility.mjs';
-import { until } from './browser.mjs';
+import { camera_rests, steady, undo_to, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
@@ -39,14 +39,15 @@ export const gait_journeys = [
 
       // a path of two points, relative to the place where the clip starts
       await page.getByRole('button', { name: 'Fit', exact: true }).click();
-      await page.waitForTimeout(300);
-      const on_track = await page.locator(`[data-clip="${(await clip()).id}"]`).boundingBox();
+      const { id } = await clip();
+      const on_track = await steady(page, () => page.locator(`[data-clip="${id}"]`).boundingBox(), 'the clip in the timeline');
       const ruler = await page.locator('.ruler').boundingBox();
       await page.mouse.click(on_track.x + 2, ruler.y + ruler.height / 2);
       await until(page, async () => Math.abs((await hook(page, 'frame()')).time - (await clip()).start) < 0.5, 'the start of the clip');
       await page.locator(`[data-clip="${(await clip()).id}"]`).click({ position: { x: 30, y: 8 } });
       await fields.getByRole('button', { name: 'Draw path' }).click();
       await page.getByRole('toolbar', { name: 'Path' }).waitFor();
+      await camera_rests(page);
       const box = await page.locator('.viewport > canvas').boundingBox();
       for (const [x, y] of [[0.45, 0.72], [0.6, 0.8]]) await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
       await page.getByText(/^2 points, /).waitFor();
@@ -60,19 +61,15 @@ export const gait_journeys = [
       await page.screenshot({ path: `${pictures}gait-path.png` });
 
       // a point is dragged
-      await page.waitForTimeout(300);
-      const handle = await handles.nth(2).boundingBox();
+      await camera_rests(page);
+      const handle = await steady(page, () => handles.nth(2).boundingBox(), 'the handle');
       await page.mouse.move(handle.x + handle.width / 2, handle.y + handle.height / 2);
       await page.mouse.down();
       await page.mouse.move(handle.x + 60, handle.y - 30, { steps: 5 });
       await page.mouse.up();
       await gait_becomes((g) => Math.hypot(g.path[1][0] - drawn.path[1][0], g.path[1][1] - drawn.path[1][1]) > 0.05, 'the moved point');
 
-      for (let i = 0; i < 5; i++) {
-        await page.keyboard.press('Control+z');
-        await page.waitForTimeout(250);
-      }
-      await until(page, async () => JSON.stringify(await document_of(page)) === JSON.stringify(before), 'all undone');
+      await undo_to(page, JSON.stringify(before));
       await page.keyboard.press('Escape');
     },
   },

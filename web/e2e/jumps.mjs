@@ -1,7 +1,7 @@
 // A journey of an animator: a jump is posed by hand, keyed, and its physics are corrected.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { blur, document_of, text_of, undo_to, until } from './browser.mjs';
+import { blur, camera_rests, document_of, steady, text_of, undo_to, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no library';
@@ -34,7 +34,7 @@ export const jump_journeys = [
       await page.keyboard.press('g'); // drags move the whole body
       await page.keyboard.press('1');
       await page.keyboard.press('f');
-      await page.waitForTimeout(900);
+      await camera_rests(page);
       const keys = async () => ((await clip_now()).layers ?? []).flatMap((l) => l.joints.flatMap((j) => j.keys.map((k) => ({ ...k, part: j.part }))));
       const times = async () => new Set((await keys()).map((k) => k.time.toFixed(2)));
       for (const [i, frame] of [30, 48, 60, 75, 90].entries()) {
@@ -44,7 +44,7 @@ export const jump_journeys = [
       }
       const pelvis = page.locator('.pose-handles button').first();
       const drag_pelvis = async (dy) => {
-        const box = await pelvis.boundingBox();
+        const box = await steady(page, () => pelvis.boundingBox(), 'the handle of the pelvis');
         const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
         const { revision } = await hook(page, 'undo()');
         await page.mouse.move(x, y);

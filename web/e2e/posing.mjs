@@ -1,7 +1,7 @@
 // Journeys for posing, keys and curves.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { document_of, set_mode, until } from './browser.mjs';
+import { camera_rests, document_of, set_mode, steady, step_history, undo_to, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no poses';
@@ -21,6 +21,12 @@ async function drag(page, from, ...to) {
   await page.mouse.up();
 }
 
+/** Waits until the pose of the playhead is known and no answer is pending. */
+const pose_shown = (page) => until(page, async () => {
+  const posing = await hook(page, 'posing()');
+  return posing?.ready && !posing.pending;
+}, 'the pose of the playhead');
+
 export const posing_journeys = [
   {
     name: 'posing: a hand is dragged, joints are turned and keyed, keys are edited as curves, and all is undone and redone',
@@ -35,25 +41,25 @@ export const posing_journeys = [
       for (let i = 0; i < 30; i++) await page.keyboard.press('ArrowRight');
       await page.keyboard.press('3');
       await page.keyboard.press('f');
-      await page.waitForTimeout(900);
+      await camera_rests(page);
 
       // the tool, handles, limits
       await page.keyboard.press('e');
       const handle = (name) => page.locator('.pose-handles').getByRole('button', { name });
       await handle(/Right hand|hand right/i).waitFor();
-      await until(page, async () => (await hook(page, 'posing()'))?.ready, 'the pose of the playhead');
+      await pose_shown(page);
       await page.screenshot({ path: `${pictures}pose-handles.png` });
 
       // a hand is dragged upwards: one undo step, the keys of the arm only
       const hand = await hook(page, `link_index(${JSON.stringify(human.id)}, 'hand right')`);
       const at = await hook(page, `link_position(${JSON.stringify(human.id)}, ${hand})`);
-      const box = await handle(/Right hand/i).boundingBox();
+      const box = await steady(page, () => handle(/Right hand/i).boundingBox(), 'the handle of the hand');
       const center = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
       await page.mouse.move(center.x, center.y);
       await page.mouse.down();
       await page.mouse.move(center.x + 40, center.y - 60, { steps: 5 });
       await page.mouse.move(center.x + 60, center.y - 120, { steps: 5 });
-      await page.waitForTimeout(400);
+      await steady(page, () => handle(/Right hand/i).boundingBox(), 'the dragged hand');
       await page.screenshot({ path: `${pictures}pose-drag.png` });
       assert.equal(keys_of(await layers_of(page, human.id)).length, 0, 'nothing is keyed during the drag');
       await page.mouse.up();
@@ -65,12 +71,12 @@ export const posing_journeys = [
 
       // a joint is turned by its arc; it stops at its limit
       const shank = await hook(page, `link_index(${JSON.stringify(human.id)}, 'shank right')`);
+      await pose_shown(page);
       const knee = await hook(page, `link_on_screen(${JSON.stringify(human.id)}, ${shank})`);
       await page.mouse.click(knee.x, knee.y);
       await until(page, async () => (await hook(page, 'selection()')).link !== undefined, 'a selected link');
       await until(page, async () => (await hook(page, 'posing()')).arc.length > 0, 'the arc of the joint');
-      await page.waitForTimeout(500);
-      const arc = (await hook(page, 'posing()')).arc;
+      const arc = await steady(page, async () => (await hook(page, 'posing()')).arc, 'the place of the arc');
       const start = arc.find((p) => p.handle) ?? arc[0];
       await page.mouse.move(start.x, start.y);
       await page.waitForTimeout(150);
@@ -84,7 +90,8 @@ export const posing_journeys = [
 
       // a number typed while a joint is turned sets its angle; Escape restores
       const revision = JSON.stringify(await document_of(page));
-      const now = (await hook(page, 'posing()')).arc.find((p) => p.handle);
+      await pose_shown(page);
+      const now = (await steady(page, async () => (await hook(page, 'posing()')).arc, 'the place of the arc')).find((p) => p.handle);
       await page.mouse.move(now.x, now.y);
       await page.mouse.down();
       await page.mouse.move(now.x + 6, now.y + 6, { steps: 3 });
@@ -95,7 +102,7 @@ export const posing_journeys = [
 
       // a second pose, later: the angle in the inspector
       for (let i = 0; i < 24; i++) await page.keyboard.press('ArrowRight');
-      await until(page, async () => (await hook(page, 'posing()'))?.ready, 'the pose of the new time');
+      await pose_shown(page);
       const angle = page.locator('.inspector').getByRole('textbox', { name: /^(Angle|Rotation X)/ }).first();
       await angle.fill('25');
       await angle.press('Enter');
@@ -106,9 +113,8 @@ export const posing_journeys = [
       await page.keyboard.press('o');
       await page.keyboard.press('g');
       await until(page, async () => (await hook(page, 'posing()')).ghosts === 2, 'two ghosts');
-      await page.waitForTimeout(500);
       const pelvis = page.locator('.pose-handles button').first();
-      const p = await pelvis.boundingBox();
+      const p = await steady(page, () => pelvis.boundingBox(), 'the handle of the pelvis');
       await drag(page, { x: p.x + p.width / 2, y: p.y + p.height / 2 }, { x: p.x + p.width / 2 - 6, y: p.y + p.height / 2 + 22 });
       await until(page, async () => keys_of(await layers_of(page, human.id)).some((k) => k.part === 'position'), 'the keys of the pelvis');
       await page.screenshot({ path: `${pictures}pose-onion.png` });
@@ -123,8 +129,8 @@ export const posing_journeys = [
       await page.keyboard.press('g');
       await page.getByRole('button', { name: 'Physics', pressed: true }).waitFor();
       const by_hand = JSON.stringify(await document_of(page));
-      await until(page, async () => (await hook(page, 'posing()'))?.ready, 'the pose before the drag');
-      const from = await hook(page, `link_on_screen(${JSON.stringify(human.id)}, ${hand})`);
+      await pose_shown(page);
+      const from = await steady(page, () => hook(page, `link_on_screen(${JSON.stringify(human.id)}, ${hand})`), 'the hand before the drag');
       const links = new Set(keys_of(await layers_of(page, human.id)).map((k) => k.link));
       await page.mouse.move(from.x, from.y);
       await page.mouse.down();
@@ -142,10 +148,9 @@ export const posing_journeys = [
       const plot = page.locator('.curve-plot canvas');
       await plot.waitFor();
       await page.locator('.curve-row').first().waitFor();
-      await page.waitForTimeout(600);
+      const area = await steady(page, () => plot.boundingBox(), 'the size of the drawing');
+      const keys = await steady(page, async () => (await hook(page, 'posing()')).drawn_keys, 'the drawn keys');
       await page.screenshot({ path: `${pictures}pose-curves.png` });
-      const area = await plot.boundingBox();
-      const keys = (await hook(page, 'posing()')).drawn_keys;
       assert.ok(keys.length >= 2, 'drawn keys');
       // a key of a hinge or a rotation that is inside of the drawing
       const key = keys.find((k) => k.x > 20 && k.x < area.width - 60 && k.y > 70 && k.y < area.height - 10);
@@ -177,24 +182,10 @@ export const posing_journeys = [
 
       // undo to the start, redo to the end: equal each time
       const after = JSON.stringify(await document_of(page));
-      let steps = 0;
-      await page.evaluate('document.activeElement?.blur?.()');
-      while (JSON.stringify(await document_of(page)) !== JSON.stringify(before)) {
-        assert.ok((await hook(page, 'undo()')).can_undo && steps < 40, 'undo to the start');
-        await page.keyboard.press('Control+z');
-        await page.waitForTimeout(200);
-        steps++;
-      }
-      for (let i = 0; i < steps; i++) {
-        await page.keyboard.press('Control+Shift+z');
-        await page.waitForTimeout(200);
-      }
-      await until(page, async () => JSON.stringify(await document_of(page)) === after, 'redo to the end');
-      for (let i = 0; i < steps; i++) {
-        await page.keyboard.press('Control+z');
-        await page.waitForTimeout(200);
-      }
-      await until(page, async () => JSON.stringify(await document_of(page)) === JSON.stringify(before), 'undone again');
+      const steps = await undo_to(page, JSON.stringify(before));
+      for (let i = 0; i < steps; i++) await step_history(page, 'Control+Shift+z');
+      assert.equal(JSON.stringify(await document_of(page)), after, 'redone to the end');
+      assert.equal(await undo_to(page, JSON.stringify(before)), steps);
       await page.keyboard.press('e');
       await page.keyboard.press('g');
       await page.getByRole('tab', { name: 'Scenario' }).click();

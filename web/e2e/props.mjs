@@ -1,7 +1,7 @@
 // A journey: props are added by mouse, changed in the inspector, moved in the viewport, simulated, and undone.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { blur, document_of, set_mode, text_of, undo_to, until } from './browser.mjs';
+import { blur, camera_rests, document_of, set_mode, text_of, undo_to, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service makes no props';
@@ -82,7 +82,7 @@ export const prop_journeys = [
       await until(page, async () => (await prop()).prop.collision === 'parts', 'hulls of parts');
       await blur(page);
       await page.keyboard.press('f');
-      await page.waitForTimeout(800);
+      await camera_rests(page);
       await page.screenshot({ path: `${pictures}mesh-prop.png` });
       await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
       await page.waitForTimeout(500);
@@ -155,17 +155,17 @@ export const prop_journeys = [
       await set('X', 4.55, async () => (await prop(crate)).place.x === 4.55);
       await set('Y', 3, async () => (await prop(crate)).place.y === 3);
       await set('Z', 1.3, async () => (await prop(crate)).place.z === 1.3);
-      await page.waitForTimeout(500);
+      await camera_rests(page);
       await page.screenshot({ path: `${pictures}props.png` });
 
       // a drag in the viewport moves the ramp over the floor
       const from = (await prop(ramp)).place;
-      let at = null;
-      await until(page, async () => {
-        const before = at; // the camera may still move to the prop that was added last
-        at = await hook(page, `to_screen([${from.x}, ${from.y}, 0.2])`);
-        return before !== null && Math.hypot(at.x - before.x, at.y - before.y) < 0.1;
-      }, 'a camera that stands still');
+      await blur(page);
+      await page.keyboard.press('Control+Home');
+      await until(page, async () => (await hook(page, 'frame()')).time < 1e-6, 'the start');
+      await page.keyboard.press('a'); // the ramp is in view
+      await camera_rests(page);
+      const at = await hook(page, `to_screen([${from.x}, ${from.y}, 0.2])`);
       await page.mouse.click(at.x, at.y);
       await until(page, async () => (await page.locator('.inspector h3').textContent()).includes('Ramp'), 'the selected ramp');
       await page.mouse.move(at.x, at.y);

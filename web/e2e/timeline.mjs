@@ -1,7 +1,7 @@
 // Journeys for stored poses, keys on clips, the simulated curve, ripple, order and groups of tracks, and grips.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { document_of, set_mode, until } from './browser.mjs';
+import { blur, camera_rests, document_of, set_mode, steady, undo_to, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no poses';
@@ -10,7 +10,6 @@ const hook = (page, expression) => page.evaluate(`window.ugoki.${expression}`);
 const label_of = async (page) => (await hook(page, 'undo()')).undo_label;
 const human_of = (doc) => doc.characters.find((c) => c.track.length > 0 && /human/i.test(c.name)) ?? doc.characters.find((c) => c.track.length > 0);
 const keys_of = (clip) => (clip.layers ?? []).flatMap((l) => l.joints.flatMap((j) => j.keys.map((k) => ({ link: j.link, ...k }))));
-const blur = (page) => page.evaluate('document.activeElement?.blur?.()');
 /** Switches the posing tool on, whatever the journey before left. */
 const pose = async (page) => {
   if (!(await hook(page, 'posing()'))) await page.keyboard.press('e');
@@ -26,17 +25,6 @@ const select_link = async (page, character, name) => {
   }, `the selected link ${name}`);
   return link;
 };
-
-/** Undoes until the document equals `before`. */
-async function undo_to(page, before) {
-  await blur(page);
-  for (let i = 0; i < 60 && JSON.stringify(await document_of(page)) !== JSON.stringify(before); i++) {
-    assert.ok((await hook(page, 'undo()')).can_undo, 'undo to the start');
-    await page.keyboard.press('Control+z');
-    await page.waitForTimeout(200);
-  }
-  assert.equal(JSON.stringify(await document_of(page)), JSON.stringify(before), 'undone to the start');
-}
 
 async function both_themes(page, name) {
   await page.waitForTimeout(400);
@@ -64,7 +52,7 @@ export const timeline_journeys = [
       for (let i = 0; i < 30; i++) await page.keyboard.press('ArrowRight');
       await page.keyboard.press('3');
       await page.keyboard.press('f');
-      await page.waitForTimeout(800);
+      await camera_rests(page);
       await page.screenshot({ path: `${pictures}poses-empty.png` });
 
       // two poses of the walk, each named at once
@@ -136,7 +124,7 @@ export const timeline_journeys = [
       await page.getByRole('option', { name: 'Long stride' }).focus();
       await page.keyboard.press('Delete');
       await until(page, async () => (await document_of(page)).poses?.length === 1, 'a removed pose');
-      await undo_to(page, before);
+      await undo_to(page, JSON.stringify(before));
       await page.keyboard.press('Escape');
       await page.keyboard.press('Escape');
       await page.getByRole('tab', { name: 'Library' }).click();
@@ -180,12 +168,12 @@ export const timeline_journeys = [
         await page.locator(`[data-clip="${into.id}"]`).click();
         await page.getByRole('textbox', { name: 'Blend in' }).fill('0.3');
         await page.keyboard.press('Enter');
-        await page.waitForTimeout(300);
+        await until(page, async () => human_of(await document_of(page)).track[1].blend === 0.3, 'the blend');
       }
       await page.locator(`[data-character="${human.id}"] .track-name`).click();
       const ruler = page.locator('.ruler');
       await page.getByRole('button', { name: 'Fit', exact: true }).click();
-      await page.waitForTimeout(200);
+      await steady(page, () => page.locator(`[data-clip="${into.id}"]`).boundingBox(), 'the clip in the timeline');
       const box = await ruler.boundingBox();
       const doc = await document_of(page);
       const scale = (box.width - 32) / doc.duration;
@@ -199,7 +187,7 @@ export const timeline_journeys = [
       await until(page, async () => (await hook(page, 'posing()'))?.ready, 'the pose of the other clip');
       await page.keyboard.press('Shift+S');
       await until(page, async () => keys_of(human_of(await document_of(page)).track[0]).length > 0, 'keys in the other clip');
-      await undo_to(page, before);
+      await undo_to(page, JSON.stringify(before));
       await page.keyboard.press('Escape');
       await page.keyboard.press('Escape');
     },
@@ -216,7 +204,7 @@ export const timeline_journeys = [
       await page.keyboard.press('Space');
       await set_mode(page, 'Edit');
       await page.keyboard.press('f');
-      await page.waitForTimeout(700);
+      await camera_rests(page);
       await page.locator(`[data-character="${human.id}"] .track-name`).click();
       await pose(page);
       await until(page, async () => (await hook(page, 'posing()'))?.ready, 'the pose of the playhead');
@@ -305,7 +293,7 @@ export const timeline_journeys = [
       assert.equal(await group.getAttribute('aria-expanded'), 'false');
       await both_themes(page, 'track-folded');
       await group.click();
-      await undo_to(page, before);
+      await undo_to(page, JSON.stringify(before));
     },
   },
   {
@@ -358,7 +346,7 @@ export const timeline_journeys = [
       assert.ok(moved[1] > moved[0], `the right hand was released: ${moved[1].toFixed(3)} m`);
       await page.screenshot({ path: `${pictures}grips-simulated.png` });
       await set_mode(page, 'Edit');
-      await undo_to(page, before);
+      await undo_to(page, JSON.stringify(before));
     },
   },
   {

@@ -217,14 +217,14 @@ export function ScenarioPanel(): ReactElement {
     >
       <div className="scenario-head">
         <div className="corner">
-          <button type="button" className="quiet" title="Show the whole scenario  (Home)" onClick={fit}>
-            Fit
+          <button type="button" className="quiet" aria-label="Fit" title="Show the whole scenario  (Home)" onClick={fit}>
+            <Icon name="fit" />
           </button>
-          <button type="button" className="quiet" title="Add a push at the playhead  (Shift P)" disabled={doc.characters.length === 0} onClick={() => run('edit.push')}>
+          <button type="button" className="quiet insert" title="Add a push at the playhead  (Shift P)" disabled={doc.characters.length === 0} onClick={() => run('edit.push')}>
             + Push
           </button>
           <button
-            type="button" className="quiet" aria-haspopup="menu" title="Add a prop: a box, ramp, stairs and others, or a mesh file; fixed or moving"
+            type="button" className="quiet insert" aria-haspopup="menu" title="Add a prop: a box, ramp, stairs and others, or a mesh file; fixed or moving"
             onClick={(e) => {
               const box = e.currentTarget.getBoundingClientRect();
               set_props_menu({ x: box.left, y: box.bottom + 4 });
@@ -233,7 +233,7 @@ export function ScenarioPanel(): ReactElement {
             + Prop
           </button>
           {props_menu && createPortal(<Menu x={props_menu.x} y={props_menu.y} over label="Add a prop" close={() => set_props_menu(null)} items={[...prop_shapes.map((shape) => ({ label: prop_kinds[shape].name, run: () => insert_prop(shape) })), { label: 'Mesh file…', apart: true, run: insert_mesh_file }]} />, document.querySelector('main') ?? document.body)}
-          <button type="button" className="quiet" title="Add a marker at the playhead  (M)" onClick={() => run('marker.add')}>
+          <button type="button" className="quiet insert" title="Add a marker at the playhead  (M)" onClick={() => run('marker.add')}>
             + Marker
           </button>
           <button type="button" className="quiet ripple" aria-pressed={ripple} aria-label="Ripple" title="Ripple: moving, trimming or deleting a clip moves everything after it  (Shift E)" onClick={() => run('edit.ripple')}>

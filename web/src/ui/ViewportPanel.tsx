@@ -4,13 +4,14 @@ import { assist_force, assist_over_cap, body_weight, CharacterState } from '../c
 import { format_gap, format_percent } from '../core/format';
 import { bar_fraction, grade, measures, shown_value } from '../core/judge';
 import { show_key } from '../core/keymap';
-import { selected_character } from '../core/state';
+import { selected_character, type ViewOptions } from '../core/state';
 import { PointerControl } from '../view/pointer';
 import { PoseView } from '../view/pose_view';
 import { Viewport } from '../view/viewport';
 import { add_character, append_motion, run, set_view } from './actions';
 import { comparer, gaits, page, parts, poser, registry, session, useControls, usePage, useStudio } from './app';
 import { FilmFrame, ThroughChoice } from './film/ThroughBar';
+import { Icon, type IconName } from './icons';
 import { CorrectionCard } from './motion/CorrectionCard';
 import { PathOverlay } from './motion/PathOverlay';
 import { PlayControlsBar } from './PlayControlsBar';
@@ -137,18 +138,22 @@ export function ViewportPanel(): ReactElement {
   );
 }
 
+/** Options of the view; a narrow viewport shows their icons only. */
+const view_options: { option: keyof ViewOptions; name: string; command: string; icon: IconName }[] = [
+  { option: 'shapes', name: 'Shapes', command: 'view.shapes', icon: 'capsule' },
+  { option: 'ghosts', name: 'Ghosts', command: 'view.ghosts', icon: 'ghosts' },
+  { option: 'contacts', name: 'Contacts', command: 'view.contacts', icon: 'contact' },
+  { option: 'closest', name: 'Distances', command: 'view.closest', icon: 'distance' },
+  { option: 'trail', name: 'Centre of mass', command: 'view.trail', icon: 'mass' },
+  { option: 'follow', name: 'Follow', command: 'view.follow', icon: 'follow' },
+];
+
 function ViewOptionsBar(): ReactElement {
   const view = useStudio((s) => s.view);
   const keymap = useStudio((s) => s.keymap);
   const free = useStudio((s) => s.through === 'free'); // the cameras of the document have their own projection, and follow by themselves
-  const options: [keyof typeof view, string, string][] = [
-    ['shapes', 'Shapes', 'view.shapes'],
-    ['ghosts', 'Ghosts', 'view.ghosts'],
-    ['contacts', 'Contacts', 'view.contacts'],
-    ['closest', 'Distances', 'view.closest'],
-    ['trail', 'Centre of mass', 'view.trail'],
-    ...(free ? [['follow', 'Follow', 'view.follow'] as [keyof typeof view, string, string]] : []),
-  ];
+  const options = view_options.filter(({ option }) => free || option !== 'follow');
+  const projection = view.perspective ? 'Perspective' : 'Orthographic';
   const key = (id: string): string => {
     const command = registry.get(id);
     const found = command && registry.keys_of(command, keymap)[0];
@@ -158,13 +163,15 @@ function ViewOptionsBar(): ReactElement {
     <div className="view-options" role="toolbar" aria-label="View">
       <ThroughChoice />
       {free && (
-        <button type="button" title={`Switch between perspective and orthographic projection${key('view.perspective')}`} onClick={() => set_view({ perspective: !view.perspective })}>
-          {view.perspective ? 'Perspective' : 'Orthographic'}
+        <button type="button" aria-label={projection} title={`Switch between perspective and orthographic projection${key('view.perspective')}`} onClick={() => set_view({ perspective: !view.perspective })}>
+          <Icon name={view.perspective ? 'perspective' : 'orthographic'} />
+          <span>{projection}</span>
         </button>
       )}
-      {options.map(([option, name, id]) => (
-        <button key={option} type="button" aria-pressed={view[option]} title={`${registry.get(id)?.label ?? name}${key(id)}`} onClick={() => run(id)}>
-          {name}
+      {options.map(({ option, name, command, icon }) => (
+        <button key={option} type="button" aria-pressed={view[option]} aria-label={name} title={`${registry.get(command)?.label ?? name}${key(command)}`} onClick={() => run(command)}>
+          <Icon name={icon} />
+          <span>{name}</span>
         </button>
       ))}
     </div>

@@ -40,8 +40,8 @@ export interface PageHook {
   /** Ends of the spring of a mouse pull in the latest frame, world frame, m; null while nothing is pulled. */
   pull(): { point: [number, number, number]; target: [number, number, number] } | null;
   character(id: string): { state: number; assist: number; over_cap: number; com: [number, number, number] } | null;
-  /** The camera: height above the floor and distance from its target, m; angle about the vertical, rad. */
-  camera(): { height: number; distance: number; azimuth: number } | null;
+  /** The camera: height above the floor and distance from its target, m; angle about the vertical, rad; whether it still moves to its place. */
+  camera(): { height: number; distance: number; azimuth: number; moving: boolean } | null;
   /** Page position, px, of the centre of a link's first shape; null while it is not in view. */
   link_on_screen(character: string, link: number): { x: number; y: number } | null;
   /** State of posing: whether the pose of the playhead is known, points of the first arc on the page (px), ghosts, and keys drawn in the curves panel (px in the canvas); null while the tool is off. */
@@ -149,7 +149,7 @@ export function expose_hook(): void {
         com: centre_of_mass(found.frame, found.character_frame),
       };
     },
-    camera: () => (parts.viewport ? { height: parts.viewport.rig.camera.position.z, distance: parts.viewport.rig.current.distance, azimuth: parts.viewport.rig.current.azimuth } : null),
+    camera: () => (parts.viewport ? { height: parts.viewport.rig.camera.position.z, distance: parts.viewport.rig.current.distance, azimuth: parts.viewport.rig.current.azimuth, moving: parts.viewport.rig.error > 0 } : null),
     link_on_screen: (character, link) => {
       const found = character_of(character);
       const shape = mechanism_of(character)?.links[link]?.shapes[0];

@@ -214,6 +214,17 @@ export class CameraRig {
     this.followed_object = object;
   }
 
+  /** Distance of the drawn view from the wanted one: of target and distance in parts of the wanted distance, of angles in rad; 0: the camera rests. */
+  get error(): number {
+    const { eye, goal } = this;
+    return (
+      eye.target.distanceTo(goal.target) / goal.distance +
+      Math.abs(eye.azimuth - goal.azimuth) +
+      Math.abs(eye.elevation - goal.elevation) +
+      Math.abs(eye.distance - goal.distance) / goal.distance
+    );
+  }
+
   /** Advances the smoothed motion by `dt` s. @return whether the camera moved */
   update(dt: number): boolean {
     let moving = false;
@@ -229,12 +240,7 @@ export class CameraRig {
       }
     }
     const k = 1 - Math.exp(-dt / smooth_time);
-    const { eye, goal } = this;
-    const error =
-      eye.target.distanceTo(goal.target) / goal.distance +
-      Math.abs(eye.azimuth - goal.azimuth) +
-      Math.abs(eye.elevation - goal.elevation) +
-      Math.abs(eye.distance - goal.distance) / goal.distance;
+    const { eye, goal, error } = this;
     if (error > 0 && error <= 5e-4) {
       this.eye = copy_eye(goal);
       moving = true;
