@@ -58,6 +58,7 @@ try {
   await ready(page);
   await page.keyboard.press('a');
   await page.waitForTimeout(1500);
+  await page.waitForFunction(() => [...document.querySelectorAll('#library-list [role=option]')].every((entry) => entry.querySelector('img')), undefined, { timeout: 60000 }).catch(() => undefined);
   await picture('studio');
   await picture('library', '.library');
   await picture('timeline', '.scenario');
@@ -160,6 +161,20 @@ try {
   await picture('curves', '.curves');
   await blur();
   await page.keyboard.press('e');
+
+  // the keyed motion is made physical, and the motion before is a ghost
+  if (wanted.length === 0 || wanted.includes('correction')) {
+    await tab('Scenario');
+    await page.locator('[data-character="human"] .clip').first().click({ position: { x: 20, y: 8 } });
+    await page.locator('.inspector').getByRole('button', { name: 'Correct the physics…' }).click();
+    await page.getByRole('dialog', { name: 'Correct the physics' }).getByRole('button', { name: 'Apply' }).click();
+    await page.getByRole('group', { name: 'Physics correction' }).waitFor({ timeout: 240000 });
+    await page.locator('.toast').first().waitFor({ state: 'detached', timeout: 60000 }).catch(() => undefined);
+    await picture('correction', '.viewport');
+    await blur();
+    await page.keyboard.press('Control+z');
+    await page.getByRole('group', { name: 'Physics correction' }).waitFor({ state: 'detached' });
+  }
   await tab('Library');
 
   // look, a gait
@@ -182,10 +197,31 @@ try {
   await page.getByRole('button', { name: 'While a key is held, play…' }).click();
   await page.locator('.rule').waitFor();
   await picture('rules', '.rules');
+  await page.getByRole('button', { name: '+ Rule' }).click();
+  await page.getByRole('menuitem', { name: 'When something touches, count…' }).click();
+  await page.locator('.rule').nth(1).waitFor();
+  await picture('variables', '.rules');
+  await blur();
+  await page.keyboard.press('Control+z');
+
+  // the circuit, in a higher panel
   await tab('Circuit');
   await page.locator('.circuit[role=application]').waitFor();
+  const panel = await page.locator('.circuit[role=application]').boundingBox();
+  const edge = panel.y - 34; // px: the upper edge of the panel, above its tabs
+  const drag_edge = async (from, to) => {
+    await page.mouse.move(640, from);
+    await page.mouse.down();
+    await page.mouse.move(640, to, { steps: 8 });
+    await page.mouse.up();
+    await page.waitForTimeout(800);
+  };
+  await drag_edge(edge, 200);
+  await page.getByRole('button', { name: 'Fit', exact: true }).last().click();
   await page.waitForTimeout(1500);
   await picture('circuit', '.circuit[role=application]');
+  const raised = (await page.locator('.circuit[role=application]').boundingBox()).y - 34;
+  await drag_edge(raised, edge);
 
   // simulation, naturalness
   await tab('Scenario');
@@ -233,7 +269,17 @@ try {
   await page.keyboard.press('Escape');
   await page.keyboard.press('Control+k');
   await picture('commands', '.palette');
+  await page.getByLabel('Search commands').fill('change keys');
+  await page.keyboard.press('Enter');
+  const keys = page.getByRole('dialog', { name: 'Change keys' });
+  await keys.getByLabel('Search commands').fill('theme');
+  await page.locator('.key-editor-row[data-command="page.theme"]').getByRole('button', { name: /^Add a key/ }).click();
+  await page.keyboard.press('r'); // the key of another command
+  await keys.getByText('Add a rule for the selected character').waitFor();
+  await picture('keys', '[role=dialog]');
   await page.keyboard.press('Escape');
+  await page.keyboard.press('Escape');
+  await keys.waitFor({ state: 'detached' });
   service.run(['bake', 'sample.ugoki', '--vary', 'push=0:300:3', '--vary', 'push-angle=0,90', '--vary', 'push-time=0.05', '--duration', '0.3', '--table', 'push.db']);
   await page.keyboard.press('Control+k');
   await page.getByLabel('Search commands').fill('results of a sweep');

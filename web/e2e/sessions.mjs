@@ -1,5 +1,6 @@
 // Journeys through whole working sessions: the studio is killed, two windows, the keyboard alone, many copies, and everything undone and redone.
 import assert from 'node:assert/strict';
+import { rmSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { blur, document_of, ready, set_mode, text_of, undo_to, until } from './browser.mjs';
 import { mock } from './service.mjs';
@@ -20,6 +21,16 @@ async function walk_history(page, keys, possible) {
     assert.ok(texts.length < 3000, 'the history ends');
   }
   return texts;
+}
+
+/** Opens a project by keys, and waits until the page shows its document, whose text is `wanted`. */
+async function open_by_keys(page, path, wanted) {
+  await page.keyboard.press('Control+o');
+  await page.getByRole('dialog', { name: 'Open project' }).waitFor();
+  await page.keyboard.type(path);
+  await page.keyboard.press('Enter');
+  await until(page, async () => path.endsWith(`/${await page.locator('.project-name').textContent()}`), `the project ${path}`);
+  await until(page, async () => (await text_of(page)) === wanted, 'its content');
 }
 
 export const session_journeys = [
@@ -166,13 +177,48 @@ export const session_journeys = [
       await page.screenshot({ path: `${pictures}keys-played.png` });
       await page.keyboard.press('Control+s');
       await page.keyboard.press('`');
-      await page.keyboard.press('Control+o');
-      await page.getByRole('dialog', { name: 'Open project' }).waitFor();
-      await page.keyboard.type(`${service.folder}/${first}`);
-      await page.keyboard.press('Enter');
-      await until(page, async () => (await page.locator('.project-name').textContent()) === first, 'the first project');
-      await until(page, async () => (await text_of(page)) === before, 'its content');
+      await open_by_keys(page, `${service.folder}/${first}`, before);
       assert.equal(await page.evaluate('window.clicks'), 0, 'no mouse was used');
+      await ready(page);
+    },
+  },
+  {
+    name: 'session: the mouse alone makes a first content in ten actions: a human walks, is pushed, and is simulated',
+    async run({ page, service }) {
+      const before = await text_of(page);
+      const first = await page.locator('.project-name').textContent();
+      rmSync(`${service.folder}/untitled.ugoki`, { force: true }); // an empty project of another journey
+      await page.evaluate(() => (window.pressed = 0) || window.addEventListener('keydown', () => window.pressed++, true));
+      let actions = 0;
+      const act = async (action) => {
+        actions++;
+        await action;
+      };
+      const entry = (name) => page.locator('#library-list [role=option]', { has: page.locator('.entry-name', { hasText: name }) }).first();
+      await act(page.locator('button.project').click());
+      await act(page.getByRole('menuitem', { name: 'New project…' }).click());
+      await act(page.locator('[data-entry="empty"]').click());
+      await act(page.getByRole('button', { name: 'Create' }).click());
+      await until(page, async () => (await document_of(page)).characters.length === 0, 'the empty project');
+      await page.screenshot({ path: `${pictures}first-empty.png` });
+      const floor = await page.locator('.viewport > canvas').boundingBox();
+      await act(entry('Human 1.75 m').dragTo(page.locator('.viewport > canvas'), { targetPosition: { x: floor.width * 0.5, y: floor.height * 0.75 } }));
+      const { id } = await until(page, async () => (await document_of(page)).characters[0], 'the human');
+      await act(entry('Walk, relaxed').dragTo(page.locator(`[data-character="${id}"] .lane`), { targetPosition: { x: 4, y: 12 } }));
+      await until(page, async () => (await document_of(page)).characters[0].track.length === 1, 'the motion');
+      await act(page.getByRole('button', { name: '+ Push' }).click());
+      await until(page, async () => (await document_of(page)).events.length === 1, 'the push');
+      await act(page.getByRole('radio', { name: 'Simulate' }).click());
+      await act(page.locator('.transport').getByRole('button', { name: 'Play' }).click());
+      await until(page, async () => (await hook(page, 'transport()')).simulated > 0.8, 'a played simulation');
+      await act(page.locator('.transport').getByRole('button', { name: 'Pause' }).click());
+      await until(page, async () => !(await hook(page, 'transport()')).playing, 'Pause');
+      await page.screenshot({ path: `${pictures}first-played.png` });
+      assert.equal(await page.evaluate('window.pressed'), 0, 'no key was used');
+      assert.ok(actions <= 10, `${actions} actions`);
+      await set_mode(page, 'Edit');
+      await open_by_keys(page, `${service.folder}/${first}`, before);
+      rmSync(`${service.folder}/untitled.ugoki`);
       await ready(page);
     },
   },

@@ -113,7 +113,7 @@ export function ViewportPanel(): ReactElement {
       {empty && !failed && (
         <div className="viewport-empty">
           <strong>No characters yet</strong>
-          <span>Drag a mechanism from the library onto the floor, or import a motion file (BVH, ASF with AMC).</span>
+          <span>Drag a mechanism from the library onto the floor, or drop a motion file here (BVH, FBX, glTF, C3D, ASF with AMC and others).</span>
         </div>
       )}
       {viewport && <FilmFrame viewport={viewport} />}
