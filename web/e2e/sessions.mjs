@@ -206,12 +206,14 @@ export const session_journeys = [
       const { id } = await until(page, async () => (await document_of(page)).characters[0], 'the human');
       await act(entry('Walk, relaxed').dragTo(page.locator(`[data-character="${id}"] .lane`), { targetPosition: { x: 4, y: 12 } }));
       await until(page, async () => (await document_of(page)).characters[0].track.length === 1, 'the motion');
+      await act(page.getByRole('button', { name: 'Loop to the end' }).click());
+      await until(page, async () => (await document_of(page)).characters[0].track[0].length === 10, 'the looped motion');
       await act(page.getByRole('button', { name: '+ Push' }).click());
       await until(page, async () => (await document_of(page)).events.length === 1, 'the push');
       await act(page.getByRole('radio', { name: 'Simulate' }).click());
       await act(page.locator('.transport').getByRole('button', { name: 'Play' }).click());
       await until(page, async () => (await hook(page, 'transport()')).simulated > 0.8, 'a played simulation');
-      await act(page.locator('.transport').getByRole('button', { name: 'Pause' }).click());
+      await page.locator('.transport').getByRole('button', { name: 'Pause' }).click();
       await until(page, async () => !(await hook(page, 'transport()')).playing, 'Pause');
       await page.screenshot({ path: `${pictures}first-played.png` });
       assert.equal(await page.evaluate('window.pressed'), 0, 'no key was used');

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { apply_command, type Clip } from '../src/core/document';
-import { changed_fields, drag_clip, ends_moving, fit_view, move_clip, pan_by, ruler_steps, snap_delta, snap_targets, time_to_x, x_to_time, zoom_at, type SnapRules } from '../src/core/timeline';
+import { changed_fields, drag_clip, ends_moving, fit_view, loop_to_end, move_clip, pan_by, ruler_steps, snap_delta, snap_targets, time_to_x, x_to_time, zoom_at, type SnapRules } from '../src/core/timeline';
 import { sample_document } from './sample';
 
 const clip: Clip = { id: 'k', motion: 'n', start: 1, length: 2, offset: 0.5, speed: 1, blend: 0.3, loop: false };
@@ -67,6 +67,18 @@ describe('a track that ends in the middle of a movement', () => {
     expect(ends_moving(human, 1.3, 5)).toBeNull();
     expect(ends_moving({ ...human, track: [] }, 1.3, 20)).toBeNull();
     expect(ends_moving({ ...human, control: { ...human.control, mode: 'passive' } }, 1.3, 20)).toBeNull();
+  });
+});
+
+describe('the last clip of a track', () => {
+  const human = sample_document().characters[0]!;
+  const last = human.track.at(-1)!;
+  it('is looped to the end of the scenario if its motion is cyclic', () => {
+    const cyclic = (motion: string): boolean => motion === last.motion;
+    expect(loop_to_end(human, cyclic, 20)).toEqual({ type: 'clip.set', character: human.id, id: last.id, loop: true, length: 20 - last.start });
+    expect(loop_to_end(human, () => false, 20)).toBeNull();
+    expect(loop_to_end({ ...human, track: [] }, cyclic, 20)).toBeNull();
+    expect(loop_to_end({ ...human, locked: true }, cyclic, 20)).toBeNull();
   });
 });
 

@@ -180,6 +180,13 @@ export function ends_moving(character: Character, end_speed: number | undefined,
   return { time, speed: end_speed };
 }
 
+/** Command that repeats the last clip of a track until the end of the scenario (s); null: the motion of the clip is not one of the `cyclic` ones. */
+export function loop_to_end(character: Character, cyclic: (motion: string) => boolean, duration: number): Command | null {
+  const last = [...character.track].sort((a, b) => a.start + a.length - b.start - b.length).at(-1);
+  if (!last || character.locked || last.start >= duration || !cyclic(last.motion)) return null;
+  return { type: 'clip.set', character: character.id, id: last.id, loop: true, length: duration - last.start };
+}
+
 /** Command that moves `clip` from one character's track to another's, starting at `start` (s), as one undo step. */
 export function move_clip(clip: Clip, from: string, to: string, start: number): Command {
   return {

@@ -6,7 +6,7 @@ import { format_number, format_time } from '../core/format';
 import { ripple_clip } from '../core/ripple';
 import { index_beside } from '../core/track_groups';
 import { is_selected, items_of, type Item } from '../core/items';
-import { changed_fields, drag_clip, ends_moving, move_clip, snap_delta, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
+import { changed_fields, drag_clip, ends_moving, loop_to_end, move_clip, snap_delta, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
 import { shown_document } from '../core/state';
 import { describe_span } from '../core/measures';
 import { band_gradient } from '../core/motion/desk';
@@ -181,6 +181,7 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
   const end_speed = useStudio((s) => s.characters.find((c) => c.id === character.id)?.end_speed);
   const duration = useStudio((s) => shown_document(s)?.duration ?? 0);
   const unfinished = ends_moving(character, end_speed, duration);
+  const loop = unfinished && loop_to_end(character, (motion) => session.entry(motion)?.cyclic ?? false, duration);
   const chosen = selection.kind === 'character' && selection.character === character.id;
   const active = chosen || items_of(selection).some((item) => item.kind === 'clip' && item.character === character.id);
   const left_out = useStudio((s) => {
@@ -255,6 +256,11 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
             title="The track ends during a movement; the character then holds the last pose. End the track with a motion that stands still, or loop the last clip to the end."
           >
             ends at {format_number(unfinished.speed, 1)} m/s: the character may fall
+            {loop && (
+              <button type="button" className="quiet insert" title="Repeat the last clip until the end of the scenario" onPointerDown={(e) => e.stopPropagation()} onClick={() => void session.edit(loop)}>
+                Loop to the end
+              </button>
+            )}
           </span>
         )}
         {ghost && (
