@@ -149,7 +149,7 @@ export function expose_hook(): void {
         com: centre_of_mass(found.frame, found.character_frame),
       };
     },
-    camera: () => (parts.viewport ? { height: parts.viewport.rig.camera.position.z, distance: parts.viewport.rig.current.distance, azimuth: parts.viewport.rig.current.azimuth, moving: parts.viewport.rig.error > 0 } : null),
+    camera: () => (parts.viewport ? { height: parts.viewport.rig.camera.position.z, distance: parts.viewport.rig.current.distance, azimuth: parts.viewport.rig.current.azimuth, moving: parts.viewport.rig.moving } : null),
     link_on_screen: (character, link) => {
       const found = character_of(character);
       const shape = mechanism_of(character)?.links[link]?.shapes[0];

@@ -215,7 +215,7 @@ export class CameraRig {
   }
 
   /** Distance of the drawn view from the wanted one: of target and distance in parts of the wanted distance, of angles in rad; 0: the camera rests. */
-  get error(): number {
+  private get error(): number {
     const { eye, goal } = this;
     return (
       eye.target.distanceTo(goal.target) / goal.distance +
@@ -223,6 +223,11 @@ export class CameraRig {
       Math.abs(eye.elevation - goal.elevation) +
       Math.abs(eye.distance - goal.distance) / goal.distance
     );
+  }
+
+  /** Whether the camera still moves to its place, or after the followed point. */
+  get moving(): boolean {
+    return this.error > 0 || (this.followed !== null && this.followed.distanceTo(this.follow_goal) > 0.01);
   }
 
   /** Advances the smoothed motion by `dt` s. @return whether the camera moved */
