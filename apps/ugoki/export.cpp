@@ -78,7 +78,7 @@ Result<std::vector<plugin::CarriedFile>> used_libraries(std::span<const std::byt
   return plugin::libraries_of(*circuit, lsi::standard_library(), plugin::read_shelf(plugin::default_shelf()));
 }
 
-/// Checks that the content runs with the standard LSIs alone, because pages and pictures have no other LSIs.
+/// Checks that the content runs with the standard LSIs alone, because pages have no other LSIs.
 Result<void> check_portable(std::span<const std::byte> ugx, const std::string& name, bool native) {
   const Result<content::Player> plain = content::Player::open(ugx, name);
   if (plain) return {};
@@ -86,10 +86,10 @@ Result<void> check_portable(std::span<const std::byte> ugx, const std::string& n
   Error error = plain.error();
   for (Problem& p : error.problems) {
     p.message += native ? " It comes from an installed library, which is native code. A program carries it only with your consent."
-                        : " It comes from an installed library. Pages and pictures can use only the standard LSIs.";
+                        : " It comes from an installed library. Pages can use only the standard LSIs.";
     p.remedy = native ? "Add --carry-lsis if you may pass the library on, or replace this LSI by standard ones."
-                      : "Replace this LSI by standard ones, or write --native with --carry-lsis, or --glb, --usda or --csv, which also "
-                        "simulate LSIs of installed libraries.";
+                      : "Replace this LSI by standard ones, or write --native with --carry-lsis, or pictures, videos, --glb, --usda or "
+                        "--csv, which also simulate LSIs of installed libraries.";
   }
   return fail(std::move(error));
 }
@@ -234,8 +234,8 @@ int run_export(Options o) {
     if (!o.ugx.empty())
       if (Result<void> done = write(report, "ugx", o.ugx, ugx); !done) return done;
     if (o.wants_page()) {
-      const bool only_native = !o.native.empty() && o.html.empty() && o.embed.empty() && !o.pictures.any();
-      if (!o.carry_lsis || !only_native)
+      const bool pages = !o.html.empty() || !o.embed.empty(), only_native = !o.native.empty() && !pages;
+      if (pages || (only_native && !o.carry_lsis))
         if (Result<void> good = check_portable(ugx, source->name, only_native); !good) return good;
       Result<std::string> page = publish::read_player_part("player.html", o.player);
       if (!page) return fail(std::move(page.error()));

@@ -17,8 +17,10 @@
 #include "child.h"
 #include "export.h"
 #include "output.h"
+#include "picture_run.h"
 #include "ugoki/base/number.h"
-#include "ugoki/content/executable.h"
+#include "ugoki/content/inputs.h"
+#include "ugoki/content/mechanism_display.h"
 #include "ugoki/files/files.h"
 #include "ugoki/files/temporary_folder.h"
 #include "ugoki/publish/page.h"
@@ -59,8 +61,8 @@ std::string page_word(const std::string& browser, const std::string& address) {
   return fs::path(browser).filename().string().contains("headless-shell") ? address : "--app=" + address;
 }
 
-/// Receives the pictures of the page: PNG files as requests, and pixels for videos as WebSocket messages. (A browser copies the body of
-/// each request into memory that is new each time.)
+/// Answers the pages that draw. A page requests frames ("frame N": the frame after N steps) and sends pictures: PNG files as requests, and
+/// pixels for videos as WebSocket messages. (A browser copies the body of each request into memory that is new each time.)
 class Receiver final : public studio::ServerEvents {
  public:
   struct Picture {
@@ -69,10 +71,17 @@ class Receiver final : public studio::ServerEvents {
 
   /// @param settings of all pages, JSON @param pages number of pages; page k draws the pictures k, k + pages, k + 2 pages ...
   /// @param raw_size number of bytes of the pixels of a picture
-  Receiver(Json settings, int pages, std::size_t raw_size) : settings_(std::move(settings)), pages_(pages), raw_size_(raw_size) {}
+  Receiver(HostedPlayer hosted, Json settings, int pages, std::size_t raw_size)
+      : settings_(std::move(settings)),
+        pages_(pages),
+        raw_size_(raw_size),
+        run_(std::move(hosted), pages, [this](std::string failure) { set_failure(std::move(failure)); }) {}
 
-  /// Sets where pages receive answers; to be called before a page connects. @param outbox must outlive the receiver's last call of done()
-  void answer_by(studio::Outbox& outbox) { outbox_ = &outbox; }
+  /// Sets where pages receive answers, and starts the run; to be called before a page connects. @param outbox must outlive the receiver
+  void answer_by(studio::Outbox& outbox) {
+    outbox_ = &outbox;
+    run_.start(outbox);
+  }
 
   void on_api(studio::ApiRequest request, std::function<void(studio::ApiReply)> answer) override {
     if (request.path == "/api/pictures") {
@@ -92,18 +101,18 @@ class Receiver final : public studio::ServerEvents {
       return changed_.notify_all();
     }
     if (request.path == "/api/failed") {
-      {
-        const std::lock_guard lock(mutex_);
-        failure_ = request.body.substr(0, 2000);
-      }
-      changed_.notify_all();
+      set_failure(request.body.substr(0, 2000));
       return answer({200, "{}"});
     }
     answer({404, "{}"});
   }
-  /// The number of the picture whose pixels follow as binary messages.
+  /// The request of a frame, or the number of the picture whose pixels follow as binary messages.
   void on_message(studio::ClientId client, std::string text, std::function<void()> done) override {
-    if (const std::optional<long> number = parse_long(text)) {
+    constexpr std::string_view frame = "frame ";
+    if (text.starts_with(frame)) {
+      if (const std::optional<long> step = parse_long(text.substr(frame.size())); step && *step >= 0)
+        run_.request(client, static_cast<std::uint64_t>(*step));
+    } else if (const std::optional<long> number = parse_long(text)) {
       const std::lock_guard lock(mutex_);
       Pixels& pixels = arriving_[client];
       pixels.number = static_cast<int>(*number);
@@ -169,6 +178,14 @@ class Receiver final : public studio::ServerEvents {
     std::string bytes;
   };
 
+  void set_failure(std::string failure) {
+    {
+      const std::lock_guard lock(mutex_);
+      failure_ = std::move(failure);
+    }
+    changed_.notify_all();
+  }
+
   const Json settings_;
   const int pages_;
   const std::size_t raw_size_;
@@ -181,6 +198,7 @@ class Receiver final : public studio::ServerEvents {
   std::map<int, studio::ClientId> senders_;  // of pixels that have arrived
   std::multimap<int, std::function<void(studio::ApiReply)>> answers_;
   std::string failure_;
+  PictureRun run_;  // last, because it calls set_failure()
 };
 
 /// Returns the file name of picture `number`: "%d" or "%04d" in the pattern is replaced.
@@ -235,27 +253,25 @@ Result<Plan> plan_of(const content::Executable& content, const PictureOptions& o
 }
 
 /// The settings of the page (web/src/player/pictures.ts).
-Result<Json> page_settings(const Plan& plan, const PictureOptions& o, bool png) {
-  Json settings = {{"width", o.width},
-                   {"height", o.height},
-                   {"rate", plan.rate},
-                   {"from", o.from},
-                   {"count", plan.count},
-                   {"blur", o.blur},
-                   {"shutter", o.shutter},
-                   {"transparent", o.transparent},
-                   {"theme", o.light ? "light" : "dark"},
-                   {"assist", o.overlays},
-                   {"png", png},
-                   {"raw", !plan.videos  ? ""
-                           : plan.planar ? "planar"
-                                         : "rgba"},
-                   {"ahead", max_waiting}};
-  if (o.inputs.empty()) return settings;
-  Result<Json> inputs = json::parse_json(o.inputs, "inputs");
-  if (!inputs) return inputs;
-  settings["inputs"] = inputs->contains("inputs") ? (*inputs)["inputs"] : *inputs;
-  return settings;
+Result<Json> page_settings(const content::Player& player, const Plan& plan, const PictureOptions& o, bool png) {
+  Result<Json> scene = json::parse_json(content::scene_json(player.content()), "scene", std::size_t{1} << 31);
+  if (!scene) return scene;
+  return Json{{"scene", std::move(*scene)},
+              {"width", o.width},
+              {"height", o.height},
+              {"rate", plan.rate},
+              {"from", o.from},
+              {"count", plan.count},
+              {"blur", o.blur},
+              {"shutter", o.shutter},
+              {"transparent", o.transparent},
+              {"theme", o.light ? "light" : "dark"},
+              {"assist", o.overlays},
+              {"png", png},
+              {"raw", !plan.videos  ? ""
+                      : plan.planar ? "planar"
+                                    : "rgba"},
+              {"ahead", max_waiting}};
 }
 
 using Children = std::vector<std::unique_ptr<Child>>;
@@ -427,9 +443,15 @@ Result<Receiver::Picture> next_picture(Receiver& receiver, int number, const Pla
 Result<std::vector<std::string>> export_pictures(const std::string& page, const std::string& name, std::span<const std::byte> ugx,
                                                  const PictureOptions& o, const PictureOutputs& outputs,
                                                  const std::function<Result<void>(const std::vector<std::string>&)>& check) {
-  const Result<content::Executable> content = content::read_executable(ugx, name);
-  if (!content) return fail(content.error());
-  const Result<Plan> plan = plan_of(*content, o, outputs);
+  Result<HostedPlayer> hosted = open_hosted(ugx, name);
+  if (!hosted) return fail(hosted.error());
+  content::Player& player = hosted->player;
+  if (!o.inputs.empty()) {
+    auto inputs = content::read_inputs(o.inputs, player.content(), "inputs");
+    if (!inputs) return fail(std::move(inputs.error()));
+    player.schedule(std::move(*inputs));
+  }
+  const Result<Plan> plan = plan_of(player.content(), o, outputs);
   if (!plan) return fail(plan.error());
   const bool png = !outputs.png.empty();
   std::vector<std::string> pictures;  // the paths of the pictures of --png
@@ -447,9 +469,9 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
     if (!found) return fail(std::move(found.error()));
     ffmpeg = std::move(*found);
   }
-  const Result<std::string> filled = publish::make_page(page, name, ugx, publish::PageEngine::pictures);
+  const Result<std::string> filled = publish::make_page(page, name, {}, publish::PageEngine::pictures);
   if (!filled) return fail(filled.error());
-  Result<Json> settings = page_settings(*plan, o, png);
+  Result<Json> settings = page_settings(player, *plan, o, png);
   if (!settings) return fail(std::move(settings.error()));
 
   const Result<files::TemporaryFolder> scratch = files::TemporaryFolder::make("pictures", "temporary folder");
@@ -459,7 +481,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   std::signal(SIGPIPE, SIG_IGN);
   const int browsers = browser_count(plan->count, graphics_processor);
   const std::size_t pixel_count = static_cast<std::size_t>(o.width) * static_cast<std::size_t>(o.height);
-  Receiver receiver(std::move(*settings), browsers, plan->planar ? pixel_count * 3 / 2 : pixel_count * 4);
+  Receiver receiver(std::move(*hosted), std::move(*settings), browsers, plan->planar ? pixel_count * 3 / 2 : pixel_count * 4);
   studio::ServerOptions server_options;
   server_options.page = *filled;
   server_options.binary_messages = true;

@@ -79,7 +79,15 @@ TEST_F(CarryCliTest, PagesCarryNoLibraries) {
   install();
   std::vector<std::string> arguments = exporting("--html", "page.html");
   arguments.emplace_back("--carry-lsis");
-  fails(arguments, "Pages and pictures");
+  fails(arguments, "Pages can use only");
+}
+
+// For pictures this program runs the content, so that they need no other LSIs. Without a browser the export ends after that check.
+TEST_F(CarryCliTest, PicturesUseInstalledLibraries) {
+  install();
+  std::vector<std::string> arguments = exporting("--png", "picture.png");
+  arguments.insert(arguments.end(), {"--browser", folder_ + "/no-browser"});
+  EXPECT_EQ(fails(arguments, "no-browser").find("LSI"), std::string::npos);
 }
 
 TEST_F(CarryCliTest, ContentOfStandardLsisBecomesTheStaticProgram) {

@@ -89,7 +89,7 @@ std::string to_gzip(std::span<const std::byte> bytes) {
 }
 
 Result<std::string> make_page(std::string page, std::string_view title, std::span<const std::byte> ugx, PageEngine engine) {
-  const std::string content = engine == PageEngine::native ? "" : pack(ugx);
+  const std::string content = engine == PageEngine::inside ? pack(ugx) : "";
   const std::string first = engine == PageEngine::inside ? first_picture(ugx) : "";
   bool good = replace(page, "@UGOKI_TITLE@", escape_html(title)) && replace(page, "@UGOKI_CONTENT@", content) &&
               replace(page, "@UGOKI_FIRST@", first.empty() ? "" : pack(std::as_bytes(std::span(first))));

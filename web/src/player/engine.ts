@@ -5,7 +5,6 @@ import type { Look, Material } from '../core/look';
 import type { Devices, InputMessage } from '../core/play_controls';
 import type { Variable } from '../core/variables';
 import type { MechanismData, Vec3 } from '../core/protocol';
-import type { PlanarConverter } from './planar';
 
 export interface SceneCharacter extends Material {
   id: string;
@@ -80,7 +79,5 @@ export interface Engine {
   recorded(): RecordedInput[] | Promise<RecordedInput[]>;
   /** Hash of the positions and velocities of all characters, 16 hexadecimal digits. */
   state_hash(): string | Promise<string>;
-  /** Converter for pictures of this size (px, even). Absent if the engine is not in this page. */
-  planar_converter?(width: number, height: number): PlanarConverter;
   dispose(): void;
 }

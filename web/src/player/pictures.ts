@@ -1,12 +1,15 @@
 /** Draws pictures of the content for `ugoki export --png` and videos. The program that serves this page receives them. */
 import { Access } from '../core/access';
-import type { Engine, RecordedInput } from './engine';
+import type { Scene } from './engine';
 import { PlanarPictures } from './planar';
+import { surfaces_ready } from '../view/body_surface';
 import { textures_ready } from '../view/skin_view';
 import { open_picture_socket, type PictureSocket } from './picture_socket';
 import { SceneView } from './scene_view';
+import { open_planar_converter } from './wasm_engine';
 
 interface Settings {
+  scene: Scene;
   width: number;
   height: number;
   /** Pictures per second. */
@@ -29,11 +32,13 @@ interface Settings {
   raw: '' | 'rgba' | 'planar';
   /** Maximum number of pictures that are sent but not yet answered. */
   ahead: number;
-  inputs?: RecordedInput[];
 }
 
-/** Draws all pictures and sends them to the program. Errors are reported to the program. */
-export async function draw_pictures(open: () => Promise<Engine>): Promise<void> {
+/**
+ * Draws all pictures and sends them to the program, which runs the content. Errors are reported to the program.
+ * @param engine_bytes the module of the engine in this page, which converts pictures
+ */
+export async function draw_pictures(engine_bytes: () => Promise<Uint8Array<ArrayBuffer> | null>): Promise<void> {
   const access = new Access({
     fragment: () => location.hash,
     clear_fragment: () => undefined,
@@ -43,44 +48,42 @@ export async function draw_pictures(open: () => Promise<Engine>): Promise<void> 
   await access.enter();
   try {
     const settings = (await (await access.fetch('api/pictures')).json()) as Settings;
-    await draw_all(await open(), settings, access, settings.raw === '' ? null : await open_picture_socket(access));
+    const { width, height } = settings;
+    const module = settings.raw === 'planar' ? await engine_bytes() : null;
+    if (settings.raw === 'planar' && !module) throw new Error('This page has no engine. Build it again.');
+    await surfaces_ready;
+    await draw_all(settings, access, await open_picture_socket(access), module && new PlanarPictures(await open_planar_converter(module, width, height), width, height));
   } catch (error) {
     await access.fetch('api/failed', { method: 'POST', body: (error as Error).message });
   }
 }
 
-/** @param socket for pixels; null if none are wanted */
-async function draw_all(engine: Engine, settings: Settings, access: Access, socket: PictureSocket | null): Promise<void> {
-  const { width, height } = settings;
+async function draw_all(settings: Settings, access: Access, socket: PictureSocket, planar: PlanarPictures | null): Promise<void> {
+  const { width, height, scene } = settings;
   const canvas = document.createElement('canvas');
-  const view = new SceneView(canvas, engine.scene, { theme: settings.theme, pictures: true, transparent: settings.transparent });
+  const view = new SceneView(canvas, scene, { theme: settings.theme, pictures: true, transparent: settings.transparent });
   await textures_ready();
   view.assist = settings.assist;
   view.resize(width, height);
-  if (settings.inputs) {
-    await engine.schedule(settings.inputs);
-    engine.reset();
-  }
-  view.place(engine.frame!);
+  let frame = await socket.frame(0);
+  let steps = 0; // of `frame`
+  view.place(frame);
   view.first_view();
-  const { step } = engine.scene;
   let shown = 0; // time up to which the camera has followed, s
   /** Runs the content and the camera to a time. The camera moves in equal steps, so that its motion does not depend on the pictures' rate. */
   const go_to = async (time: number): Promise<void> => {
     const tick = 1 / 60;
     for (;;) {
       const next = Math.min(shown + tick, time);
-      const steps = Math.round(next / step) - engine.steps;
-      if (steps > 0) await engine.step(steps);
-      if (engine.stopped !== '') throw new Error(engine.stopped);
-      view.place(engine.frame!);
+      const wanted = Math.round(next / scene.step);
+      if (wanted > steps) frame = await socket.frame((steps = wanted));
+      view.place(frame);
       view.update_camera(Math.max(next - shown, 1e-4));
       shown = next;
       if (next >= time) return;
     }
   };
   const gl = view.stage.renderer.getContext() as WebGL2RenderingContext;
-  const planar = settings.raw === 'planar' ? new PlanarPictures(engine.planar_converter!(width, height), width, height) : null;
   const pixels = new Uint8Array(planar && settings.blur === 1 ? 0 : 4 * width * height);
   const sums = settings.blur > 1 ? new Uint32Array(pixels.length) : null;
   const flat = document.createElement('canvas');
@@ -103,7 +106,7 @@ async function draw_all(engine: Engine, settings: Settings, access: Access, sock
   const read_planar = async (): Promise<void> => {
     if (!planar || drawn < 0) return;
     const bytes = planar.read(gl);
-    await send_all([socket!.send(drawn, bytes).then(() => planar.reuse(bytes))]);
+    await send_all([socket.send(drawn, bytes).then(() => planar.reuse(bytes))]);
     drawn = -1;
   };
   for (let i = 0; i < settings.count; i++) {
@@ -134,7 +137,7 @@ async function draw_all(engine: Engine, settings: Settings, access: Access, sock
       gl.flush();
     } else if (settings.raw !== '') {
       if (settings.transparent) straighten(pixels);
-      sending.push(socket!.send(i, pixels));
+      sending.push(socket.send(i, pixels));
     }
     if (sending.length > 0) await send_all(sending);
   }

@@ -146,20 +146,6 @@ export class WasmEngine implements Engine {
     const half = (value: number): string => (value >>> 0).toString(16).padStart(8, '0');
     return half(this.wasm.ugoki_hash_high()) + half(this.wasm.ugoki_hash_low());
   }
-  planar_converter(width: number, height: number): PlanarConverter {
-    const { wasm } = this;
-    const size = 4 * width * height;
-    const rgba = wasm.ugoki_allocate(size);
-    const planes = wasm.ugoki_allocate((3 * size) / 8);
-    if (rgba === 0 || planes === 0) throw new EngineError('Pictures of this size do not fit into the memory of the player.');
-    return {
-      input: () => new Uint8Array(wasm.memory.buffer, rgba, size),
-      convert: (out) => {
-        wasm.ugoki_planar(rgba, width, height, planes);
-        out.set(new Uint8Array(wasm.memory.buffer, planes, out.length));
-      },
-    };
-  }
   dispose(): void {
     // The browser frees the memory of the module with the instance.
   }
@@ -183,8 +169,8 @@ export class WasmEngine implements Engine {
   }
 }
 
-/** Compiles the module and opens content. @param module bytes of ugoki_player.wasm */
-export async function open_wasm_engine(module: Uint8Array<ArrayBuffer>, content: Uint8Array): Promise<WasmEngine> {
+/** Compiles and starts the module. @param module bytes of ugoki_player.wasm */
+async function start(module: Uint8Array<ArrayBuffer>): Promise<Exports> {
   let output = '';
   let exports: Exports | null = null;
   const write = (_file: number, vectors: number, count: number, written: number): number => {
@@ -213,5 +199,24 @@ export async function open_wasm_engine(module: Uint8Array<ArrayBuffer>, content:
   });
   exports = instance.exports as unknown as Exports;
   exports._initialize();
-  return new WasmEngine(exports, content);
+  return exports;
+}
+
+/** Opens content in an engine of its own. @param module bytes of ugoki_player.wasm */
+export const open_wasm_engine = async (module: Uint8Array<ArrayBuffer>, content: Uint8Array): Promise<WasmEngine> => new WasmEngine(await start(module), content);
+
+/** A converter for pictures of this size (px, even). @param module bytes of ugoki_player.wasm */
+export async function open_planar_converter(module: Uint8Array<ArrayBuffer>, width: number, height: number): Promise<PlanarConverter> {
+  const wasm = await start(module);
+  const size = 4 * width * height;
+  const rgba = wasm.ugoki_allocate(size);
+  const planes = wasm.ugoki_allocate((3 * size) / 8);
+  if (rgba === 0 || planes === 0) throw new EngineError('Pictures of this size do not fit into the memory of the player.');
+  return {
+    input: () => new Uint8Array(wasm.memory.buffer, rgba, size),
+    convert: (out) => {
+      wasm.ugoki_planar(rgba, width, height, planes);
+      out.set(new Uint8Array(wasm.memory.buffer, planes, out.length));
+    },
+  };
 }
