@@ -44,6 +44,12 @@ TEST(SlowStanding, EverySharedMotionFileStandsInItsMeanPose) {
   for (const std::string& file : files) {
     SCOPED_TRACE(file);
     const auto in = import(file);
+    // Rigid parts that move as wholes (a box and its lid) are a mesh, and the report states this.
+    if (file == "gltf/box_animated.gltf") {
+      ASSERT_TRUE(in) << in.error().text();
+      EXPECT_TRUE(in->mesh && !in->motion);
+      EXPECT_NE(in->report.back().find("it contains no body"), std::string::npos) << in->report.back();
+    }
     if (!in || !in->motion) continue;  // refused with a reason; the tests of shared_data check which
     const Outcome o = stand(*in);
     std::printf("%-40s %-6s %8.3f m %9.3f kg  %6.2f deg  %.3f bw  %s %s\n", file.c_str(), in->body->human ? "human" : "other",
@@ -54,7 +60,7 @@ TEST(SlowStanding, EverySharedMotionFileStandsInItsMeanPose) {
     EXPECT_LT(o.released, 0) << "released at " << o.released << " s";
     ++stood;
   }
-  EXPECT_GT(stood, 40);
+  EXPECT_GE(stood, 39);
 }
 
 TEST(Standing, SyntheticCreaturesStandInTheirMeanPose) {

@@ -440,6 +440,17 @@ TEST(Support, AMissingStepIsReportedAndAJumpIsNot) {
   EXPECT_EQ(describe_missing_support(*body->mechanism, jump, body->height), "");
 }
 
+TEST(Support, AMotionThatIsPulledDownIsReported) {
+  const MeasuredMotion walk = samples::make_human_walk();
+  const auto body = body::make_body(walk);
+  ASSERT_TRUE(body) << body.error().text();
+  // The root bobs by 0.05 m three times per second: its downward acceleration is up to 0.05 (6 pi)^2 = 17.8 m/s^2 = 1.8 times gravity.
+  Motion bobbing = body::to_motion(*body, walk);
+  for (int f = 0; f < bobbing.frames; ++f) bobbing.frame(f)[2] += 0.05 * sin_cos(6 * pi * f / bobbing.rate).sin;
+  const std::string sentence = describe_missing_support(*body->mechanism, bobbing, body->height);
+  EXPECT_NE(sentence.find("accelerates downwards"), std::string::npos) << sentence;
+}
+
 TEST(Support, HoveringHeightsCloseTheGapToTheFloorButNotFlights) {
   const MeasuredMotion walk = samples::make_human_walk();
   const auto body = body::make_body(walk);

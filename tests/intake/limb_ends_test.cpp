@@ -508,5 +508,67 @@ TEST(FourLegs, AHeadlessPersonIsNotFourLegged) {
   EXPECT_NE(arrange(motions, report).plan, body::BodyPlan::four_legs);
 }
 
+/// An animal of blocks: all legs at one joint, and one bone from the rump to the neck, or to the head.
+TEST(FourLegs, ATrunkBoneAtTheRumpCarriesNoForeLimbs) {
+  for (const bool neck : {true, false}) {
+    std::vector<Bone> b = {{"All", -1, {0.04, 0, 0.35}, {}}, {"Body", 0, {-0.7, 0, 0.38}, {}}};
+    if (neck) b.push_back({"Neck", 1, {1.08, 0, 0}, {}});
+    b.push_back({"Head", neck ? 2 : 1, neck ? Vec3{0, 0, 0.5} : Vec3{1, 0, 0.5}, {0, 0, 0.8}});
+    for (const double fore : {1.0, -1.0})
+      for (const double side : {1.0, -1.0})
+        b.push_back({std::string(fore > 0 ? "Front" : "Back") + "Leg" + (side > 0 ? ".L" : ".R"),
+                     0,
+                     {fore > 0 ? 0.5 : -0.6, 0.25 * side, 0.1},
+                     {0, 0, -0.44}});
+    std::vector<MeasuredMotion> motions = {moving(b)};
+    for (std::size_t i = 0; i < motions[0].rotations.size(); ++i)
+      if (b[i % b.size()].name == "Body") motions[0].rotations[i] = {};
+    std::vector<std::string> report;
+    const body::Character c = arrange(motions, report);
+    ASSERT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not;
+    ASSERT_GE(c.head, 0);
+    EXPECT_EQ(motions[0].skeleton.joints[static_cast<std::size_t>(c.head)].name, "Head");
+  }
+}
+
+/// A person of one bone for each limb. All limbs, the trunk and the head (if there is one) have one common joint, as in rigs of blocks.
+std::vector<Bone> block_person(bool with_head) {
+  std::vector<Bone> b = {{"root", -1, {0, 0, 0.75}, {}}, {"Body", 0, {0, 0, 0}, {0, 0, 0.7}}};
+  if (with_head) b.push_back({"Head", 0, {0, 0, 0.75}, {0, 0, 0.45}});
+  for (const double side : {1.0, -1.0}) {
+    const std::string name = side > 0 ? "Left" : "Right";
+    b.push_back({name + "Arm", 0, {0, 0.3 * side, 0.65}, {0, 0, -0.7}});
+    b.push_back({name + "Leg", 0, {0, 0.1 * side, 0}, {0, 0, -0.73}});
+  }
+  return b;
+}
+
+TEST(BlockPersons, LimbsAtOneJointAreIdentifiedByTheirNames) {
+  std::vector<MeasuredMotion> motions = {moving(block_person(true))};
+  std::vector<std::string> report;
+  const body::Character c = arrange(motions, report);
+  ASSERT_EQ(c.plan, body::BodyPlan::human) << c.why_not;
+  const auto name = [&](int i) { return i < 0 ? std::string("none") : motions[0].skeleton.joints[static_cast<std::size_t>(i)].name; };
+  EXPECT_EQ(name(c.arms[0].proximal), "LeftArm");
+  EXPECT_EQ(name(c.legs[1].proximal), "RightLeg");
+  EXPECT_EQ(name(c.head), "Head");
+  EXPECT_TRUE(c.tail.empty()) << name(c.tail[0]);
+}
+
+TEST(BlockPersons, APersonWithoutAJointForTheHeadGetsOneAboveTheShoulders) {
+  const MeasuredMotion before = moving(block_person(false));
+  std::vector<MeasuredMotion> motions = {before};
+  std::vector<std::string> report;
+  const body::Character c = arrange(motions, report);
+  ASSERT_EQ(c.plan, body::BodyPlan::human) << c.why_not;
+  ASSERT_GE(c.head, 0);
+  EXPECT_TRUE(std::ranges::any_of(report, [](const std::string& r) { return r.find("No joint carries the head") != std::string::npos; }));
+  std::vector<Pose> X;
+  motions[0].calc_joint_poses(7, X);
+  // The shoulders are 0.65 m above the hips; the head is 0.35 trunk lengths above them.
+  const Vec3 head = X[static_cast<std::size_t>(c.head)].p;
+  EXPECT_LT(norm(head - Vec3{0, 0, 0.75 + 1.35 * 0.65}), 0.01) << head.x << " " << head.y << " " << head.z;
+}
+
 }  // namespace
 }  // namespace ugoki::intake

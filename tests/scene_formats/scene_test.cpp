@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <span>
+#include <string>
 
 #include "made_scene.h"
+#include "ugoki/scene_formats/fbx_core.h"
 #include "ugoki/scene_formats/scene_file.h"
 
 namespace ugoki::scene_formats {
@@ -71,6 +75,50 @@ TEST(Scene, FbxMeshesGiveTheEndsOfBones) {
       if (!ends.empty()) EXPECT_LT(norm(ends[0] - Vec3{0, 0.0005, 0.0005}), 1e-6);
     }
   }
+}
+
+// A mesh without a skin belongs to the model that carries it, with the model's geometric transform: scale 2, a quarter turn about z, then a
+// shift of 3 along z. Its far points (0.1, -1, 0) and (-0.1, -1, 0) are then at (2, 0.2, 3) and (2, -0.2, 3).
+TEST(Scene, FbxRigidMeshesGiveTheEndsOfBones) {
+  const std::string file = R"(; FBX 7.4.0 project file
+FBXHeaderExtension:  {
+	FBXVersion: 7400
+}
+Objects:  {
+	Geometry: 1, "Geometry::", "Mesh" {
+		Vertices: *9 {
+			a: 0,0,0,0.1,-1,0,-0.1,-1,0
+		}
+		PolygonVertexIndex: *3 {
+			a: 0,1,-3
+		}
+	}
+	Model: 2, "Model::leg", "Mesh" {
+		Properties70:  {
+			P: "GeometricTranslation", "Vector3D", "Vector", "",0,0,3
+			P: "GeometricRotation", "Vector3D", "Vector", "",0,0,90
+			P: "GeometricScaling", "Vector3D", "Vector", "",2,2,2
+		}
+	}
+}
+Connections:  {
+	C: "OO",1,2
+	C: "OO",2,0
+}
+)";
+  std::map<std::string, Vec3> ends;
+  const auto core = fbx_core(std::as_bytes(std::span(file)), "leg.fbx", &ends);
+  ASSERT_TRUE(core) << core.error().text();
+  ASSERT_TRUE(ends.contains("leg"));
+  EXPECT_LT(norm(ends["leg"] - Vec3{2, 0, 3}), 1e-12);
+}
+
+// ASCII files of version 6 have fields of curves that are no records of version 7.
+TEST(Scene, AnOldAsciiFbxIsRefusedByItsVersion) {
+  const std::string file = "; FBX 6.1.0 project file\nFBXHeaderExtension:  {\n\tFBXVersion: 6100\n}\nKey:\n\t0,1.5,L,\n\t10,2.5,L\n";
+  const auto read = read_scene(bytes_of(file), "old.fbx");
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().text().find("its version is 6100"), std::string::npos) << read.error().text();
 }
 
 TEST(Scene, FbxAxesAndUnitAreRead) {

@@ -20,6 +20,7 @@ class Parser : private GltfData {
     if (!split(bytes) || !check_asset() || !read_buffers() || !read_nodes() || !read_skins() || !read_animations())
       return fail(std::move(error_));
     read_mesh_ends();
+    read_rigid_mesh_ends();
     return std::move(out_);
   }
 
@@ -102,9 +103,36 @@ class Parser : private GltfData {
     return true;
   }
 
+  static constexpr std::size_t max_numbers_of_meshes = 12'000'000;  // numbers of all meshes that are read for their ends
+
+  /// Sets GltfNode::mesh_end: nodes can carry rigid meshes instead of a skin. A mesh that cannot be read is left out.
+  void read_rigid_mesh_ends() {
+    std::size_t numbers = 0;
+    const Json &nodes = list("nodes"), &meshes = list("meshes"), &accessors = list("accessors");
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const auto mesh = index(nodes[i], "mesh", meshes.size());
+      if (out_.nodes[i].skin >= 0 || !mesh || *mesh < 0) continue;
+      const Json* primitives = member(meshes[static_cast<std::size_t>(*mesh)], "primitives");
+      if (primitives == nullptr || !primitives->is_array()) continue;
+      std::vector<Vec3> points;
+      for (const Json& p : *primitives) {
+        const Json* attributes = member(p, "attributes");
+        if (attributes == nullptr || member(p, "extensions") != nullptr) continue;
+        const auto position = index(*attributes, "POSITION", accessors.size());
+        if (!position || *position < 0) continue;
+        const auto count = index(accessors[static_cast<std::size_t>(*position)], "count", max_numbers_of_meshes);
+        if (!count || *count < 1 || (numbers += 3 * static_cast<std::size_t>(*count)) > max_numbers_of_meshes) continue;
+        std::vector<double> x;
+        const bool read = accessor(*position, 3, "meshes", x);
+        error_ = {};
+        for (std::size_t v = 0; read && 3 * v + 2 < x.size(); ++v) points.push_back({x[3 * v], x[3 * v + 1], x[3 * v + 2]});
+      }
+      out_.nodes[i].mesh_end = far_end(points);
+    }
+  }
+
   /// Sets GltfSkin::mesh_ends. A mesh that cannot be read is left out.
   void read_mesh_ends() {
-    constexpr std::size_t max_numbers_of_meshes = 12'000'000;  // numbers of all meshes
     std::size_t numbers = 0;
     const Json &nodes = list("nodes"), &meshes = list("meshes"), &accessors = list("accessors");
     std::vector<std::vector<std::vector<Vec3>>> points(out_.skins.size());  // [skins][joints]

@@ -26,6 +26,7 @@ struct GltfNode {
   Vec3 scale{1, 1, 1};
   std::optional<Affine> matrix;  ///< if set, replaces translation, rotation and scale
   int skin = -1;                 ///< index in GltfDocument::skins; -1: none
+  std::optional<Vec3> mesh_end;  ///< far end of a mesh without skin, in the node's frame
 };
 
 struct GltfSkin {

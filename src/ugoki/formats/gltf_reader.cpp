@@ -398,15 +398,16 @@ class Reader {
     std::vector<char> carries(joints_.size(), 0);
     for (const SkeletonJoint& j : skeleton.joints)
       if (j.parent >= 0) carries[static_cast<std::size_t>(j.parent)] = 1;
+    const auto add = [&](std::size_t node, const std::optional<Vec3>& mesh_end) {
+      const int j = joint_of_node_[node];
+      if (j < 0 || carries[static_cast<std::size_t>(j)] != 0 || !mesh_end) return;
+      const Vec3 end = axes.from_file(rest_[node].A * *mesh_end);
+      if (!is_finite(end) || norm(end) > max_magnitude || !skeleton.joints[static_cast<std::size_t>(j)].end_sites.empty()) return;
+      skeleton.joints[static_cast<std::size_t>(j)].end_sites.push_back(end);
+    };
     for (const GltfSkin& skin : doc_.skins)
-      for (std::size_t k = 0; k < skin.mesh_ends.size(); ++k) {
-        const auto node = static_cast<std::size_t>(skin.joints[k]);
-        const int j = joint_of_node_[node];
-        if (j < 0 || carries[static_cast<std::size_t>(j)] != 0 || !skin.mesh_ends[k]) continue;
-        const Vec3 end = axes.from_file(rest_[node].A * *skin.mesh_ends[k]);
-        if (!is_finite(end) || norm(end) > max_magnitude || !skeleton.joints[static_cast<std::size_t>(j)].end_sites.empty()) continue;
-        skeleton.joints[static_cast<std::size_t>(j)].end_sites.push_back(end);
-      }
+      for (std::size_t k = 0; k < skin.mesh_ends.size(); ++k) add(static_cast<std::size_t>(skin.joints[k]), skin.mesh_ends[k]);
+    for (std::size_t node = 0; node < doc_.nodes.size(); ++node) add(node, doc_.nodes[node].mesh_end);
   }
 
   /// Computes all frames. The rotation of a joint from rest is computed in world axes, then made relative to the parent's rotation. The

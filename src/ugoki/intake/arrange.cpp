@@ -12,11 +12,13 @@
 #include "ugoki/intake/correction.h"
 #include "ugoki/intake/deform_bones.h"
 #include "ugoki/intake/four_legs.h"
+#include "ugoki/intake/headless.h"
 #include "ugoki/intake/hip_root.h"
 #include "ugoki/intake/join_branches.h"
 #include "ugoki/intake/limb_ends.h"
 #include "ugoki/intake/paw_ends.h"
 #include "ugoki/intake/tree_edit.h"
+#include "ugoki/intake/usual_plan.h"
 
 namespace ugoki::intake {
 namespace {
@@ -382,6 +384,23 @@ body::Character arrange_joints(std::span<MeasuredMotion> motions, std::vector<st
       }
   }
   if (character.plan == body::BodyPlan::other)
+    for (const bool with_chest : {false, true}) {  // a person whose head is a part of the trunk
+      std::vector<MeasuredMotion> extended = with_ends.empty() ? std::vector<MeasuredMotion>(motions.begin(), motions.end()) : with_ends;
+      attach_to_rigid_ancestors(extended);
+      if (with_chest && add_chest(extended).empty()) continue;
+      const std::vector<std::string> ends = add_limb_ends(extended);
+      const std::string chest = add_head(extended);
+      if (chest.empty()) continue;
+      body::Character better = body::recognise_character(extended[index], mapping);
+      if (better.plan != body::BodyPlan::human) continue;
+      std::ranges::move(extended, motions.begin());
+      character = std::move(better);
+      report.push_back("No joint carries the head; a neck and a head that do not turn were added to " + chest + ".");
+      if (!ends.empty())
+        report.push_back("Joints that do not turn were added at the ends of limbs with one or two bones: " + list_of(ends) + ".");
+      break;
+    }
+  if (character.plan == body::BodyPlan::other)
     for (int attempt = 0; attempt < (with_ends.empty() ? 4 : 8); ++attempt) {  // rigs with few bones; the last four without ends of meshes
       std::vector<MeasuredMotion> extended =
           with_ends.empty() || attempt >= 4 ? std::vector<MeasuredMotion>(motions.begin(), motions.end()) : with_ends;
@@ -542,6 +561,11 @@ body::Character arrange_with_paws(std::span<MeasuredMotion> motions, std::vector
 body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
                         bool mesh_ends) {
   body::Character character = arrange_with_paws(motions, report, mapping, mesh_ends);
+  if (character.plan == body::BodyPlan::four_legs && !mapping)
+    if (std::optional<body::Character> human = human_in_most(motions)) {
+      report.emplace_back("Most motions of the file show a person, although the longest one shows it on four limbs.");
+      return *std::move(human);
+    }
   if (character.plan != body::BodyPlan::four_legs) return character;
   std::vector<MeasuredMotion> moved(motions.begin(), motions.end());
   std::string change = move_root_to_hips(moved, character);

@@ -183,7 +183,7 @@ void set_size(std::vector<MeasuredMotion>& motions, const body::Character& chara
   if (!reason.empty()) notes.remarks.push_back(std::move(reason));
 }
 
-/// Lowers the root of an animal that hovers. @return a sentence about it; empty if it does not hover
+/// Lowers the root of a person or animal that hovers. @return a sentence about it; empty if it does not hover
 std::string lower_to_floor(MeasuredMotion& measured, const body::Body& body) {
   const Motion motion = body::to_motion(body, measured);
   if (motion.frames != measured.frames) return {};
@@ -193,7 +193,7 @@ std::string lower_to_floor(MeasuredMotion& measured, const body::Body& body) {
   for (std::size_t f = 0; f < heights.size(); ++f)
     for (std::size_t j = 0; j < n; ++j)
       if (measured.skeleton.joints[j].parent < 0) measured.translations[f * n + j].z -= heights[f];
-  return measured.name + ": the animal was lowered by up to " + to_fixed(100 * *std::ranges::max_element(heights), 1) +
+  return measured.name + ": the character was lowered by up to " + to_fixed(100 * *std::ranges::max_element(heights), 1) +
          " cm where it hovers above the floor without falling.";
 }
 
@@ -326,7 +326,7 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   out.items = {std::move(mechanism_item)};
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (auto error = stopped(options, file_name)) return fail(std::move(*error));
-    if (animal && options.travel)
+    if (character.plan != body::BodyPlan::other && options.travel)
       if (std::string sentence = lower_to_floor(motions[i], *body); !sentence.empty()) {
         out.report.push_back(sentence);
         out.conversion.add_remarks({sentence});
@@ -522,6 +522,7 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
       Result<std::vector<MeasuredMotion>> motions =
           scene_formats::read_scene(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit, .mesh_ends = true}, &notes);
       if (!motions) return fail(std::move(motions.error()));
+      if (std::optional<Intake> parts = take_in_rigid_parts(bytes, file_name, options, *motions)) return std::move(*parts);
       formats::FileSkin skin = skin_of_scene(std::as_bytes(raw), file_name, options, notes);
       return from_measured(std::move(*motions), std::move(notes), file_name, options, true, std::move(skin));
     }
@@ -536,6 +537,7 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
           formats::read_gltf(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit, .mesh_ends = true, .files = options.files},
                              scene_formats::unpack_meshopt, &notes);
       if (!motions) return fail(std::move(motions.error()));
+      if (std::optional<Intake> parts = take_in_rigid_parts(bytes, file_name, options, *motions)) return std::move(*parts);
       formats::FileSkin skin = skin_of_gltf(std::as_bytes(raw), file_name, options, notes);
       return from_measured(std::move(*motions), std::move(notes), file_name, options, true, std::move(skin));
     }

@@ -37,7 +37,8 @@ struct IntakeOptions {
   std::optional<body::AnatomyMapping> mapping;  ///< corrects the recognised anatomy
   std::string character;                        ///< of a file with several: its number from 1, or its root joint; empty: the first
   std::string take;                             ///< of a file with several motions: its number from 1, or its name; empty: all
-  /// Give characters that walk in place (on a treadmill) the travel that their standing feet show, and lower hovering animals to the floor.
+  /// Give characters that walk in place (on a treadmill) the travel that their standing feet show, and lower hovering persons and animals
+  /// to the floor.
   bool travel = false;
   bool correct_labels = false;  ///< exchange marker labels that are exchanged in the whole recording
   /// Bytes and name of the file that a motion needs in addition: .npz of the body model (SMPL), .osim (OpenSim), character (DeepMimic).

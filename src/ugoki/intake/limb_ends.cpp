@@ -1,8 +1,10 @@
 #include "ugoki/intake/limb_ends.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "ugoki/body/joint_names.h"
+#include "ugoki/body/limb_geometry.h"
 #include "ugoki/intake/tree_edit.h"
 
 namespace ugoki::intake {
@@ -33,6 +35,16 @@ bool is_below_ground(const std::vector<std::vector<Pose>>& samples, std::size_t 
     count += (X[joint] * point).z < low - far * extent_of(X) ? 1 : 0;
   }
   return 2 * count > samples.size();
+}
+
+/// The joint of the chain from `first` to the head that is nearest to a point.
+std::size_t nearest_of_chain(const Skeleton& s, const std::vector<Vec3>& rest, std::size_t first, const Vec3& point) {
+  std::size_t nearest = first;
+  for (std::size_t i = first + 1; i < s.joints.size(); ++i) {
+    if (s.joints[i].parent != static_cast<int>(nearest)) continue;
+    if (norm(rest[i] - point) < norm(rest[nearest] - point)) nearest = i;
+  }
+  return nearest;
 }
 
 }  // namespace
@@ -125,20 +137,47 @@ std::vector<std::string> add_chest(std::span<MeasuredMotion> motions) {
       else if (!other && depth[i] > 0)
         limbs.push_back(i);
     }
-    if (heads.empty() || limbs.size() < 4) continue;
+    // Names of two arms and two legs distinguish them from the trunk, which can be a further branch, and which then carries the head.
+    const auto are_named = [&](bool (*is_part)(body::Part)) {
+      return std::ranges::count_if(limbs, [&](std::size_t i) {
+               return evidence[i].side != 0 && !evidence[i].fore && !evidence[i].hind && is_part(evidence[i].part);
+             }) == 2;
+    };
+    const bool person = are_named(body::is_arm) && are_named(body::is_leg);
+    // The other branches of a person belong to the upper trunk.
+    const auto is_limb = [&](std::size_t i) {
+      return evidence[i].side != 0 && (body::is_arm(evidence[i].part) || body::is_leg(evidence[i].part));
+    };
+    if (person) {
+      std::ranges::copy_if(limbs, std::back_inserter(heads), [&](std::size_t i) { return !is_limb(i); });
+      std::erase_if(limbs, [&](std::size_t i) { return !is_limb(i); });
+    }
+    if ((heads.empty() && !person) || limbs.size() < 4) continue;
     // The four longest limbs, the front ones first.
     std::ranges::sort(limbs, [&](std::size_t a, std::size_t b) { return depth[a] != depth[b] ? depth[a] > depth[b] : a < b; });
     limbs.resize(4);
     Vec3 middle;
     for (const std::size_t i : limbs) middle += rest[i] * 0.25;
-    Vec3 forward = rest[heads[0]] - middle;
+    Vec3 forward = person ? Vec3{} : rest[heads[0]] - middle;
     forward.z = 0;
     const auto front = [&](std::size_t i) {
-      return (evidence[i].fore ? 1e3 : evidence[i].hind ? -1e3 : 0) + dot(rest[i] - middle, forward);
+      const bool fore = evidence[i].fore || (person && body::is_arm(evidence[i].part)),
+                 hind = evidence[i].hind || (person && body::is_leg(evidence[i].part));
+      return (fore ? 1e3 : hind ? -1e3 : 0) + dot(rest[i] - middle, forward);
     };
     std::ranges::sort(limbs, [&](std::size_t a, std::size_t b) { return front(a) != front(b) ? front(a) > front(b) : a < b; });
     const Vec3 chest = (rest[limbs[0]] + rest[limbs[1]]) * 0.5, hips = (rest[limbs[2]] + rest[limbs[3]]) * 0.5;
     if (depth[limbs[3]] < 0.5 * depth[limbs[0]] || norm(chest - hips) < 0.3 * depth[limbs[0]]) continue;
+    // A trunk bone from the rump to the chest carries the neck: the neck is attached instead of it.
+    if (!person) {
+      std::vector<int> new_parent(n, -1);
+      for (const std::size_t i : heads)
+        if (const std::size_t k = nearest_of_chain(s, rest, i, chest); k != i) new_parent[k] = static_cast<int>(hub);
+      if (std::ranges::any_of(new_parent, [](int p) { return p >= 0; })) {
+        reparent(motions, new_parent);
+        return add_chest(motions);
+      }
+    }
     const Vec3 offset = chest - rest[hub];
     std::vector<std::size_t> moved = {limbs[0], limbs[1]};
     moved.insert(moved.end(), heads.begin(), heads.end());

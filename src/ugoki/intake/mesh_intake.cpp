@@ -1,5 +1,6 @@
 #include "ugoki/intake/mesh_intake.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
@@ -42,6 +43,33 @@ void describe_mesh(const MeshBody& body, const formats::ReadNotes& notes, Intake
   out.report.insert(out.report.end(), body.checks.begin(), body.checks.end());
 }
 
+/// True if a glTF, COLLADA or FBX file has no skin.
+bool has_no_skin(std::string_view bytes) {
+  for (const char* word : {"\"skins\"", "<library_controllers", "Deformer"})
+    if (bytes.find(word) != std::string_view::npos) return false;
+  return true;
+}
+
+/// True if the motions move rigid parts (a lid, a coin), but no limb: each joint keeps its pose relative to its parent, or is at the place
+/// of its parent and only turns there. (Files divide the movement of one part among several transforms at one place.)
+bool move_no_limb(std::span<const MeasuredMotion> motions) {
+  constexpr double place = 1e-5, turn = 1e-5;  // m and rad: rounding errors of files
+  const std::vector<SkeletonJoint>& joints = motions[0].skeleton.joints;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (joints[i].parent < 0) continue;
+    double farthest = 0, shift = 0, angle = 0;
+    for (const MeasuredMotion& m : motions)
+      for (std::size_t f = 0; f < static_cast<std::size_t>(m.frames); ++f) {
+        const std::size_t k = f * joints.size() + i;
+        farthest = std::max(farthest, norm(m.translations[k]));
+        shift = std::max(shift, norm(m.translations[k] - motions[0].translations[i]));
+        angle = std::max(angle, 2 * norm((motions[0].rotations[i].conjugate() * m.rotations[k]).vec()));
+      }
+    if (farthest > place && (shift > place || angle > turn)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 bool is_still(std::string_view bytes) {
@@ -76,6 +104,20 @@ Result<Intake> take_in_mesh(std::string_view bytes, std::string_view file_name, 
   out.items = {{store::EntryKind::mechanism, name, mesh_summary(*body, out.source), options.tags, {data, data + text.size()}}};
   out.mesh = std::move(*body);
   return out;
+}
+
+std::optional<Intake> take_in_rigid_parts(std::string_view bytes, std::string_view file_name, const IntakeOptions& options,
+                                          std::span<const MeasuredMotion> motions) {
+  if (!has_no_skin(bytes) || !move_no_limb(motions)) return std::nullopt;
+  Result<Intake> mesh = take_in_mesh(bytes, file_name, options);
+  if (!mesh) return std::nullopt;
+  const std::string sentence =
+      "The file moves rigid parts, but no limbs: it contains no body that could be controlled. It is imported as a mesh, from which props "
+      "are "
+      "made; its motion is left out.";
+  mesh->report.push_back(sentence);
+  mesh->conversion.check.push_back(sentence);
+  return std::move(*mesh);
 }
 
 }  // namespace ugoki::intake

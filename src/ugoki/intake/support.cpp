@@ -72,6 +72,29 @@ std::string describe_unbalanced_rest(const std::string& name, const std::vector<
          "it falls there.";
 }
 
+/// A sentence about frames in which the centre of mass accelerates downwards much faster than gravity; empty if they are few.
+/// @param centre m, centre of mass of each frame  @param dt s, between the frames
+std::string describe_pull(const std::string& name, const std::vector<Vec3>& centre, double dt) {
+  constexpr double window = 0.08, gravity = 9.81, pulled = 1.5 * gravity, few = 0.05;  // s, m/s^2, m/s^2, share of the frames
+  const std::size_t half = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(window / dt)));
+  const double h = static_cast<double>(half) * dt;
+  std::size_t count = 0, first = 0;
+  double fastest = 0;
+  for (std::size_t k = half; k + half < centre.size(); ++k) {
+    const double down = -(centre[k + half].z - 2 * centre[k].z + centre[k - half].z) / (h * h);
+    if (down < pulled) continue;
+    if (count++ == 0) first = k;
+    fastest = std::max(fastest, down);
+  }
+  const double share = static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, centre.size()));
+  if (share < few) return {};
+  return name + ": in " + to_fixed(100 * share, 0) + " % of the frames (first at " + to_fixed(static_cast<double>(first) * dt, 2) +
+         " s) the centre of mass accelerates downwards with up to " + to_fixed(fastest / gravity, 1) +
+         " times gravity. Nothing but gravity pulls a character down: under dynamics its feet leave the floor there, and it cannot follow "
+         "the "
+         "motion exactly.";
+}
+
 }  // namespace
 
 std::string describe_missing_support(const Mechanism& mechanism, const Motion& motion, double height) {
@@ -120,7 +143,10 @@ std::string describe_missing_support(const Mechanism& mechanism, const Motion& m
     }
     run = 0;
   }
-  if (missing == 0) return describe_unbalanced_rest(motion.name, centre, near_floor, dt, height);
+  if (missing == 0) {
+    std::string rest = describe_unbalanced_rest(motion.name, centre, near_floor, dt, height);
+    return rest.empty() ? describe_pull(motion.name, centre, dt) : rest;
+  }
   return motion.name + ": in " + to_fixed(100.0 * missing / n, 0) + " % of the frames (first at " + to_fixed(first, 2) +
          " s) nothing of the character is near the floor although it does not fall. It stands on, sits on or hangs from something that the "
          "file does not contain (stairs, a box, a chair, a bar), or its height drifts. Under dynamics it loses its support there.";

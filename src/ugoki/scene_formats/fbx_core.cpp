@@ -67,14 +67,13 @@ class Core {
   explicit Core(std::string_view location) : location_(location), file_(location) {}
 
   Result<std::string> make(std::string_view bytes, std::map<std::string, Vec3>* mesh_ends) {
+    // ASCII files before version 7 have another syntax.
+    if (bytes.starts_with("; FBX 6.") || bytes.starts_with("; FBX 5.")) return refuse_version("6100 or earlier");
     if (Result<void> done = file_.load(bytes); !done) return fail(std::move(done.error()));
-    if (file_.version() < 7100)
-      return fail(ErrorCode::unsupported, location_,
-                  "The file cannot be read as FBX: its version is " + std::to_string(file_.version()) + ", but 7100 or later is needed.",
-                  "Export it again as FBX 2011 or later, or as glTF or BVH.");
+    if (file_.version() < 7100) return refuse_version(std::to_string(file_.version()));
     for (const auto step : {&Core::collect_objects, &Core::collect_connections, &Core::check_tree, &Core::check_turns})
       if (Result<void> done = (this->*step)(); !done) return fail(std::move(done.error()));
-    if (mesh_ends) *mesh_ends = fbx_mesh_ends(file_, skin_parts());
+    if (mesh_ends) *mesh_ends = fbx_mesh_ends(file_, skin_parts(), rigid_meshes());
     write();
     return out_.take();
   }
@@ -84,6 +83,12 @@ class Core {
     std::int64_t from, to;
     std::string_view property;
   };
+
+  [[nodiscard]] std::unexpected<Error> refuse_version(const std::string& version) const {
+    return fail(ErrorCode::unsupported, location_,
+                "The file cannot be read as FBX: its version is " + version + ", but 7100 or later is needed.",
+                "Export it again as FBX 2011 or later, or as glTF or BVH.");
+  }
 
   Result<void> collect_objects() {
     const FbxRecord* objects = file_.root().child("Objects");
@@ -178,6 +183,21 @@ class Core {
       const auto mesh = skin == skin_of.end() ? mesh_of.end() : mesh_of.find(skin->second);
       if (mesh == mesh_of.end()) continue;
       out.push_back({objects_.at(mesh->second).record, objects_.at(c.to).record, node_name(*objects_.at(c.from).record)});
+    }
+    return out;
+  }
+
+  /// The meshes without a skin, each with the model that carries it.
+  [[nodiscard]] std::vector<FbxRigidMesh> rigid_meshes() const {
+    std::set<std::int64_t> skinned;
+    for (const Connection& c : connections_)
+      if (objects_.at(c.from).kind == Kind::skin) skinned.insert(c.to);
+    std::vector<FbxRigidMesh> out;
+    for (const Connection& c : connections_) {
+      if (c.to == 0 || objects_.at(c.from).kind != Kind::mesh || objects_.at(c.to).kind != Kind::model || skinned.contains(c.from))
+        continue;
+      const FbxRecord* model = objects_.at(c.to).record;
+      out.push_back({objects_.at(c.from).record, model, node_name(*model)});
     }
     return out;
   }

@@ -17,8 +17,17 @@ struct FbxSkinPart {
   std::string bone;  ///< name of the bone's model
 };
 
+/// A mesh without a skin, which moves rigidly with a model.
+struct FbxRigidMesh {
+  const FbxRecord* mesh;
+  const FbxRecord* model;
+  std::string bone;  ///< name of the model
+};
+
 /// The far end of each bone [bone's frame, file units] by the name of the bone's model: the mean of the farthest vertices that follow the
-/// bone more than any other bone. Bones without such vertices have none. Meshes and clusters that cannot be read are left out.
-[[nodiscard]] std::map<std::string, Vec3> fbx_mesh_ends(const FbxFile& file, std::span<const FbxSkinPart> parts);
+/// bone more than any other bone; without a skin, the mean of the farthest vertices of the bone's rigid mesh. Bones without such vertices
+/// have none. Meshes and clusters that cannot be read are left out.
+[[nodiscard]] std::map<std::string, Vec3> fbx_mesh_ends(const FbxFile& file, std::span<const FbxSkinPart> parts,
+                                                        std::span<const FbxRigidMesh> rigid);
 
 }  // namespace ugoki::scene_formats
