@@ -99,8 +99,8 @@ web_build() {
 player_build() {
   local folder="$root/build/release/share/ugoki" stamp wanted
   stamp="$folder/.built"
-  configure wasm && build wasm ugoki_player_wasm && web_packages || return 1
-  wanted=$(web_sources_hash; sha256sum <"$root/build/wasm/bin/ugoki_player.wasm")
+  configure wasm && build wasm ugoki_player_wasm ugoki_planar_wasm && web_packages || return 1
+  wanted=$(web_sources_hash; cat "$root"/build/wasm/bin/ugoki_{player,planar}.wasm | sha256sum)
   [ "$wanted" != "$(cat "$stamp" 2>/dev/null || true)" ] || return 0
-  step "player page (vite)" player-build node "$root/web/player/build.mjs" "$root/build/wasm/bin/ugoki_player.wasm" "$folder" && printf '%s' "$wanted" >"$stamp"
+  step "player page (vite)" player-build node "$root/web/player/build.mjs" "$root/build/wasm/bin/ugoki_player.wasm" "$folder" && cp "$root/build/wasm/bin/ugoki_planar.wasm" "$folder" && printf '%s' "$wanted" >"$stamp"
 }

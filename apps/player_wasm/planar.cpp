@@ -1,9 +1,9 @@
-#include "planar.h"
+// Converts drawn pictures for video coders, in the pages that draw them (web/src/player/planar.ts).
 
 #include <bit>
 #include <cstddef>
+#include <cstdint>
 
-namespace ugoki::player_wasm {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "red is the lowest byte of a pixel");
@@ -51,7 +51,13 @@ void chroma_row(const std::uint32_t* __restrict upper, const std::uint32_t* __re
 
 }  // namespace
 
-void to_planar(const std::uint8_t* rgba, std::uint32_t width, std::uint32_t height, std::uint8_t* out) {
+/// Converts a picture by the matrix of ITU-R BT.709 with limited range (luma 16 ... 235, chroma 16 ... 240). Chroma is the mean of 2 x 2
+/// pixels, at their centre.
+/// @param rgba [4 * width * height] rows from the bottom to the top, as WebGL reads them
+/// @param width, height px; even
+/// @param out [3 * width * height / 2, out] luma, then Cb, then Cr, each row by row from the top; must not overlap `rgba`
+extern "C" __attribute__((export_name("ugoki_planar"), used)) void ugoki_planar(const std::uint8_t* rgba, std::uint32_t width,
+                                                                                std::uint32_t height, std::uint8_t* out) {
   const auto* pixels = reinterpret_cast<const std::uint32_t*>(rgba);
   const std::size_t size = std::size_t{width} * height;
   for (std::uint32_t y = 0; y < height; ++y) luma_row(pixels + std::size_t{height - 1 - y} * width, width, out + std::size_t{y} * width);
@@ -62,5 +68,3 @@ void to_planar(const std::uint8_t* rgba, std::uint32_t width, std::uint32_t heig
     chroma_row(upper, upper - width, half, at, at + size / 4);
   }
 }
-
-}  // namespace ugoki::player_wasm

@@ -22,7 +22,6 @@
 #include <string>
 #include <vector>
 
-#include "planar.h"
 #include "ugoki/content/inputs.h"
 #include "ugoki/content/mechanism_display.h"
 #include "ugoki/content/player.h"
@@ -49,9 +48,6 @@ Session& session() {
 
 PLAYER_EXPORT(ugoki_allocate) void* ugoki_allocate(std::uint32_t size) { return std::malloc(size); }
 PLAYER_EXPORT(ugoki_release) void ugoki_release(void* address) { std::free(address); }
-PLAYER_EXPORT(ugoki_planar) void ugoki_planar(const std::uint8_t* rgba, std::uint32_t width, std::uint32_t height, std::uint8_t* out) {
-  ugoki::player_wasm::to_planar(rgba, width, height, out);
-}
 
 PLAYER_EXPORT(ugoki_open) std::int32_t ugoki_open(const std::byte* bytes, std::uint32_t size) {
   Session& s = session();

@@ -254,6 +254,7 @@ int run_export(Options o) {
         o.picture.rate = o.take_rate;
         o.picture.duration = o.duration;
         o.picture.inputs = inputs;
+        o.picture.player = o.player;
         const auto check = [&](const std::vector<std::string>& pictures) {
           std::vector<NamedFile> others = o.outputs();
           std::erase_if(others, [](const NamedFile& f) { return f.option == "--png"; });

@@ -23,6 +23,7 @@ struct PictureOptions {
   bool light = false;               ///< true: light background instead of the dark one
   std::string browser, ffmpeg;      ///< names or paths of the programs; empty: searched in PATH
   std::string inputs;               ///< text of recorded inputs, JSON; empty: none
+  std::string player;               ///< folder with the parts of the player; empty: found beside this program
 };
 
 /// Files for which pictures are drawn; empty: not wanted.

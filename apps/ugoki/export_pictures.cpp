@@ -24,6 +24,7 @@
 #include "ugoki/files/files.h"
 #include "ugoki/files/temporary_folder.h"
 #include "ugoki/publish/page.h"
+#include "ugoki/publish/parts.h"
 #include "ugoki/studio/launch_page.h"
 #include "ugoki/studio/security.h"
 #include "ugoki/studio/server.h"
@@ -71,8 +72,10 @@ class Receiver final : public studio::ServerEvents {
 
   /// @param settings of all pages, JSON @param pages number of pages; page k draws the pictures k, k + pages, k + 2 pages ...
   /// @param raw_size number of bytes of the pixels of a picture
-  Receiver(HostedPlayer hosted, Json settings, int pages, std::size_t raw_size)
+  /// @param converter bytes of ugoki_planar.wasm
+  Receiver(HostedPlayer hosted, Json settings, std::string converter, int pages, std::size_t raw_size)
       : settings_(std::move(settings)),
+        converter_(std::move(converter)),
         pages_(pages),
         raw_size_(raw_size),
         run_(std::move(hosted), pages, [this](std::string failure) { set_failure(std::move(failure)); }) {}
@@ -90,6 +93,7 @@ class Receiver final : public studio::ServerEvents {
       settings["stride"] = pages_;
       return answer({200, json::to_text(settings)});
     }
+    if (request.path == "/api/converter") return answer({200, converter_, "application/wasm"});
     if (request.path == "/api/picture") {
       const std::optional<long> number = parse_long(studio::query_value(request.query, "number").value_or(""));
       if (!number) return answer({400, "{}"});
@@ -187,6 +191,7 @@ class Receiver final : public studio::ServerEvents {
   }
 
   const Json settings_;
+  const std::string converter_;
   const int pages_;
   const std::size_t raw_size_;
   studio::Outbox* outbox_ = nullptr;
@@ -469,6 +474,12 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
     if (!found) return fail(std::move(found.error()));
     ffmpeg = std::move(*found);
   }
+  std::string converter;
+  if (plan->planar) {
+    Result<std::string> part = publish::read_player_part("ugoki_planar.wasm", o.player);
+    if (!part) return fail(std::move(part.error()));
+    converter = std::move(*part);
+  }
   const Result<std::string> filled = publish::make_page(page, name, {}, publish::PageEngine::pictures);
   if (!filled) return fail(filled.error());
   Result<Json> settings = page_settings(player, *plan, o, png);
@@ -481,7 +492,8 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   std::signal(SIGPIPE, SIG_IGN);
   const int browsers = browser_count(plan->count, graphics_processor);
   const std::size_t pixel_count = static_cast<std::size_t>(o.width) * static_cast<std::size_t>(o.height);
-  Receiver receiver(std::move(*hosted), std::move(*settings), browsers, plan->planar ? pixel_count * 3 / 2 : pixel_count * 4);
+  Receiver receiver(std::move(*hosted), std::move(*settings), std::move(converter), browsers,
+                    plan->planar ? pixel_count * 3 / 2 : pixel_count * 4);
   studio::ServerOptions server_options;
   server_options.page = *filled;
   server_options.binary_messages = true;

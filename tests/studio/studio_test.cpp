@@ -111,8 +111,7 @@ TEST_F(StudioTest, CommandsLoadMotionsFromTheLibrary) {
 
 TEST_F(StudioTest, MotionOperationIsAnsweredIfTheProjectIsClosed) {
   Page p = page(), other = page();
-  const int request =
-      p.post({{"op", "motion"}, {"task", "t1"}, {"character", "human"}, {"clip", "k1"}, {"operation", "retarget"}, {"sample", "dog"}});
+  const int request = p.post({{"op", "motion"}, {"task", "t1"}, {"character", "human"}, {"clip", "k1"}, {"operation", "reverse"}});
   ASSERT_TRUE(other.ask({{"op", "new"}, {"path", "another"}, {"from", "empty"}})["ok"]);
   const json reply = p.reply(request);
   ASSERT_FALSE(reply.is_null()) << "the page would wait for ever";

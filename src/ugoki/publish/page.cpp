@@ -93,7 +93,7 @@ Result<std::string> make_page(std::string page, std::string_view title, std::spa
   const std::string first = engine == PageEngine::inside ? first_picture(ugx) : "";
   bool good = replace(page, "@UGOKI_TITLE@", escape_html(title)) && replace(page, "@UGOKI_CONTENT@", content) &&
               replace(page, "@UGOKI_FIRST@", first.empty() ? "" : pack(std::as_bytes(std::span(first))));
-  if (engine == PageEngine::native) good = good && empty_script(page, "ugoki-engine");
+  if (engine != PageEngine::inside) good = good && empty_script(page, "ugoki-engine");
   if (engine != PageEngine::inside)
     good = good && replace(page, "<html lang=\"en\">",
                            engine == PageEngine::native ? R"(<html lang="en" data-engine="native">)"

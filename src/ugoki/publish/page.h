@@ -14,7 +14,7 @@ namespace ugoki::publish {
 enum class PageEngine {
   inside,   ///< in the page, as WebAssembly
   native,   ///< in the program that serves the page; the page has neither engine nor content
-  pictures  ///< in the program that serves the page; the page draws pictures for it, and converts them with its own engine
+  pictures  ///< in the program that serves the page; the page draws pictures for it
 };
 
 /// Returns the player's page with its placeholders filled. @param page text of player.html, which Ugoki's build makes

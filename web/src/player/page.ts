@@ -46,7 +46,7 @@ export function set_engine_bytes(get: () => Promise<Uint8Array<ArrayBuffer> | nu
 /** Defines the element, or draws pictures if the page was made for pictures. Players that the page already contains begin to load. */
 export function start(): void {
   set_engine_source(open_engine, open_still);
-  if (document.documentElement.dataset.engine === 'pictures') void draw_pictures(() => engine_bytes());
+  if (document.documentElement.dataset.engine === 'pictures') void draw_pictures();
   else if (!customElements.get('ugoki-player')) customElements.define('ugoki-player', UgokiPlayer);
 }
 

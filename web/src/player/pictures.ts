@@ -1,12 +1,11 @@
 /** Draws pictures of the content for `ugoki export --png` and videos. The program that serves this page receives them. */
 import { Access } from '../core/access';
 import type { Scene } from './engine';
-import { PlanarPictures } from './planar';
+import { open_planar_converter, PlanarPictures } from './planar';
 import { surfaces_ready } from '../view/body_surface';
 import { textures_ready } from '../view/skin_view';
 import { open_picture_socket, type PictureSocket } from './picture_socket';
 import { SceneView } from './scene_view';
-import { open_planar_converter } from './wasm_engine';
 
 interface Settings {
   scene: Scene;
@@ -34,11 +33,8 @@ interface Settings {
   ahead: number;
 }
 
-/**
- * Draws all pictures and sends them to the program, which runs the content. Errors are reported to the program.
- * @param engine_bytes the module of the engine in this page, which converts pictures
- */
-export async function draw_pictures(engine_bytes: () => Promise<Uint8Array<ArrayBuffer> | null>): Promise<void> {
+/** Draws all pictures and sends them to the program, which runs the content. Errors are reported to the program. */
+export async function draw_pictures(): Promise<void> {
   const access = new Access({
     fragment: () => location.hash,
     clear_fragment: () => undefined,
@@ -49,10 +45,10 @@ export async function draw_pictures(engine_bytes: () => Promise<Uint8Array<Array
   try {
     const settings = (await (await access.fetch('api/pictures')).json()) as Settings;
     const { width, height } = settings;
-    const module = settings.raw === 'planar' ? await engine_bytes() : null;
-    if (settings.raw === 'planar' && !module) throw new Error('This page has no engine. Build it again.');
+    let planar: PlanarPictures | null = null;
+    if (settings.raw === 'planar') planar = new PlanarPictures(await open_planar_converter(await (await access.fetch('api/converter')).arrayBuffer(), width, height), width, height);
     await surfaces_ready;
-    await draw_all(settings, access, await open_picture_socket(access), module && new PlanarPictures(await open_planar_converter(module, width, height), width, height));
+    await draw_all(settings, access, await open_picture_socket(access), planar);
   } catch (error) {
     await access.fetch('api/failed', { method: 'POST', body: (error as Error).message });
   }

@@ -2,7 +2,6 @@
 import { decode_frame, type Frame } from '../core/frames';
 import { read_devices, type Devices, type InputMessage } from '../core/play_controls';
 import type { Vec3 } from '../core/protocol';
-import type { PlanarConverter } from './planar';
 import type { Engine, RecordedInput, Scene } from './engine';
 
 interface Exports {
@@ -10,7 +9,6 @@ interface Exports {
   _initialize(): void;
   ugoki_allocate(size: number): number;
   ugoki_release(address: number): void;
-  ugoki_planar(rgba: number, width: number, height: number, out: number): void;
   ugoki_open(address: number, size: number): number;
   ugoki_step(count: number): number;
   ugoki_reset(): void;
@@ -169,8 +167,8 @@ export class WasmEngine implements Engine {
   }
 }
 
-/** Compiles and starts the module. @param module bytes of ugoki_player.wasm */
-async function start(module: Uint8Array<ArrayBuffer>): Promise<Exports> {
+/** Compiles the module and opens content. @param module bytes of ugoki_player.wasm */
+export async function open_wasm_engine(module: Uint8Array<ArrayBuffer>, content: Uint8Array): Promise<WasmEngine> {
   let output = '';
   let exports: Exports | null = null;
   const write = (_file: number, vectors: number, count: number, written: number): number => {
@@ -199,24 +197,5 @@ async function start(module: Uint8Array<ArrayBuffer>): Promise<Exports> {
   });
   exports = instance.exports as unknown as Exports;
   exports._initialize();
-  return exports;
-}
-
-/** Opens content in an engine of its own. @param module bytes of ugoki_player.wasm */
-export const open_wasm_engine = async (module: Uint8Array<ArrayBuffer>, content: Uint8Array): Promise<WasmEngine> => new WasmEngine(await start(module), content);
-
-/** A converter for pictures of this size (px, even). @param module bytes of ugoki_player.wasm */
-export async function open_planar_converter(module: Uint8Array<ArrayBuffer>, width: number, height: number): Promise<PlanarConverter> {
-  const wasm = await start(module);
-  const size = 4 * width * height;
-  const rgba = wasm.ugoki_allocate(size);
-  const planes = wasm.ugoki_allocate((3 * size) / 8);
-  if (rgba === 0 || planes === 0) throw new EngineError('Pictures of this size do not fit into the memory of the player.');
-  return {
-    input: () => new Uint8Array(wasm.memory.buffer, rgba, size),
-    convert: (out) => {
-      wasm.ugoki_planar(rgba, width, height, planes);
-      out.set(new Uint8Array(wasm.memory.buffer, planes, out.length));
-    },
-  };
+  return new WasmEngine(exports, content);
 }
