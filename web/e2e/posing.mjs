@@ -47,6 +47,7 @@ export const posing_journeys = [
       await page.keyboard.press('e');
       const handle = (name) => page.locator('.pose-handles').getByRole('button', { name });
       await handle(/Right hand|hand right/i).waitFor();
+      await page.locator('.pose-bar').getByRole('button', { name: 'Limb' }).click(); // another journey may have chosen the body
       await pose_shown(page);
       await page.screenshot({ path: `${pictures}pose-handles.png` });
 

@@ -41,8 +41,7 @@ async function recover(page, before, folder) {
     await page.locator('.project-name', { hasText: project }).waitFor({ timeout: 30000 });
     await page.waitForTimeout(1000);
   }
-  const scenario = page.getByRole('tab', { name: 'Scenario' });
-  if ((await scenario.count()) > 0) await scenario.click(); // the journey may have left another panel on top, which a reload keeps
+  await tidy(page); // the journey may have left another panel on top, which a reload keeps
   for (let undone = 0; undone < 50 && (await document_of(page)) !== before; undone++) {
     if (!(await page.evaluate('window.ugoki.undo().can_undo'))) break;
     await page.keyboard.press('Control+z');
@@ -109,12 +108,22 @@ async function run(journey, context) {
   }
 }
 
-/** Loads the page again with its first layout if a group has left another panel over the whole window. */
-async function show_viewport(page) {
-  if (await page.evaluate("document.querySelector('.viewport > canvas')?.clientWidth > 0")) return;
-  await page.evaluate("Object.keys(localStorage).filter((key) => key.startsWith('ugoki.layout')).forEach((key) => localStorage.removeItem(key))");
-  await page.reload();
-  await ready(page);
+/**
+ * Brings the page into the state in which each group begins: no messages, inspector and scenario on top. Loads the page again with its first
+ * layout if another panel is over the whole window.
+ */
+async function tidy(page) {
+  const messages = page.locator('.toast').getByRole('button', { name: 'Dismiss' });
+  for (let i = 0; i < 20 && (await messages.count()) > 0; i++) await messages.first().click({ timeout: 2000 }).catch(() => undefined);
+  if (!(await page.evaluate("document.querySelector('.viewport > canvas')?.clientWidth > 0"))) {
+    await page.evaluate("Object.keys(localStorage).filter((key) => key.startsWith('ugoki.layout')).forEach((key) => localStorage.removeItem(key))");
+    await page.reload();
+    await ready(page);
+  }
+  for (const name of ['Inspector', 'Scenario']) {
+    const tab = page.getByRole('tab', { name, exact: true });
+    if ((await tab.count()) > 0) await tab.first().click({ timeout: 2000 }).catch(() => undefined);
+  }
 }
 
 /** Runs all chosen journeys. */
@@ -145,7 +154,7 @@ async function run_all() {
       await run(closing, context);
       if (failed > failed_before) console.log(`  output of the service: ${service.output().slice(-1500)}`);
       seen.errors.length = 0;
-      await show_viewport(page);
+      await tidy(page);
     }
   } catch (error) {
     if (failed === 0) console.log(`not ok the studio runs\n  ${indented(error)}\n  output of the service: ${service.output().slice(-1500)}`);
