@@ -56,8 +56,12 @@ void chroma_row(const std::uint32_t* __restrict upper, const std::uint32_t* __re
 /// @param rgba [4 * width * height] rows from the bottom to the top, as WebGL reads them
 /// @param width, height px; even
 /// @param out [3 * width * height / 2, out] luma, then Cb, then Cr, each row by row from the top; must not overlap `rgba`
-extern "C" __attribute__((export_name("ugoki_planar"), used)) void ugoki_planar(const std::uint8_t* rgba, std::uint32_t width,
-                                                                                std::uint32_t height, std::uint8_t* out) {
+extern "C"
+#ifdef __wasm__  // the tests compile this file for the processor
+    __attribute__((export_name("ugoki_planar"), used))
+#endif
+    void
+    ugoki_planar(const std::uint8_t* rgba, std::uint32_t width, std::uint32_t height, std::uint8_t* out) {
   const auto* pixels = reinterpret_cast<const std::uint32_t*>(rgba);
   const std::size_t size = std::size_t{width} * height;
   for (std::uint32_t y = 0; y < height; ++y) luma_row(pixels + std::size_t{height - 1 - y} * width, width, out + std::size_t{y} * width);

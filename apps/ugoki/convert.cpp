@@ -102,7 +102,9 @@ Result<Content> load(const Options& o) {
       return out;
     }
   }
-  Result<intake::Intake> loaded = take_in_file(o.input, o.source);
+  SourceOptions source = o.source;
+  source.intake.motion_of_parts = to != ".json" && to != ".urdf" && to != ".xml" && to != ".mjcf";
+  Result<intake::Intake> loaded = take_in_file(o.input, source);
   if (!loaded) return fail(std::move(loaded.error()));
   out.mechanism = loaded->mechanism;
   out.measured = std::move(loaded->measured);

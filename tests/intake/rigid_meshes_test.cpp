@@ -108,6 +108,11 @@ TEST(RigidMeshes, PartsThatMoveAsWholesAreNoBody) {
     EXPECT_EQ(made->mesh.has_value(), !knob);
     EXPECT_EQ(made->motion.has_value(), knob);
     EXPECT_EQ(std::ranges::any_of(made->report, [](const std::string& r) { return r.find("rigid parts") != std::string::npos; }), !knob);
+    IntakeOptions keep;
+    keep.motion_of_parts = true;
+    const Result<Intake> moving = take_in({reinterpret_cast<const char*>(file.data()), file.size()}, "box.glb", nullptr, keep);
+    ASSERT_TRUE(moving) << moving.error().text();
+    EXPECT_TRUE(moving->motion && !moving->mesh);
   }
 }
 

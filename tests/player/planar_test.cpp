@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "../../apps/player_wasm/planar.h"
+extern "C" void ugoki_planar(const std::uint8_t* rgba, std::uint32_t width, std::uint32_t height, std::uint8_t* out);
 
 namespace ugoki::player_wasm {
 namespace {
@@ -18,7 +18,7 @@ TEST(Planar, ValuesAreThoseOfBt709InLimitedRangeWithRowsFromTheTop) {
   for (std::uint32_t& p : pixels)
     for (int k = 0; k < 4; ++k) p = (p << 8) | std::array{0u, 255u, static_cast<std::uint32_t>(random() & 255)}[random() % 3];
   std::vector<std::uint8_t> out(width * height * 3 / 2 + 1, 7);
-  to_planar(reinterpret_cast<const std::uint8_t*>(pixels.data()), width, height, out.data());
+  ugoki_planar(reinterpret_cast<const std::uint8_t*>(pixels.data()), width, height, out.data());
   const auto color = [&](std::uint32_t x, std::uint32_t y) {
     const std::uint32_t p = pixels[(height - 1 - y) * width + x];
     return std::array{(p & 255) / 255.0, ((p >> 8) & 255) / 255.0, ((p >> 16) & 255) / 255.0};

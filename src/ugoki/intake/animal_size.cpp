@@ -248,7 +248,8 @@ std::string limit_mass(body::Body& body, const SpeciesMass& species, const Measu
   body = std::move(*again);
   const auto kg = [](double mass) { return to_fixed(mass, mass < 10 ? 2 : 0) + " kg"; };
   return "By its size the animal would weigh " + kg(by_size) + ". It gets " + kg(body.mass) + ", the closest mass of a usual " +
-         species.names + (species.source.empty() ? "" : " (" + species.source + ")") + ". Set the mass, the unit or the species if it is wrong.";
+         species.names + (species.source.empty() ? "" : " (" + species.source + ")") +
+         ". Set the mass, the unit or the species if it is wrong.";
 }
 
 }  // namespace ugoki::intake

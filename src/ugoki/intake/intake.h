@@ -40,7 +40,8 @@ struct IntakeOptions {
   /// Give characters that walk in place (on a treadmill) the travel that their standing feet show, and lower hovering persons and animals
   /// to the floor.
   bool travel = false;
-  bool correct_labels = false;  ///< exchange marker labels that are exchanged in the whole recording
+  bool motion_of_parts = false;  ///< keep the motion of a file that moves rigid parts, but no limbs; by default, such a file is a mesh
+  bool correct_labels = false;   ///< exchange marker labels that are exchanged in the whole recording
   /// Bytes and name of the file that a motion needs in addition: .npz of the body model (SMPL), .osim (OpenSim), character (DeepMimic).
   std::string model, model_name;
   formats::GltfFiles files;           ///< reads external buffers of a .gltf file; null: such files are rejected

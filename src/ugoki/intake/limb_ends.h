@@ -11,7 +11,8 @@ namespace ugoki::intake {
 
 /// Adds joints at the ends of limbs with one or two bones, so that they can be divided into upper part, lower part and foot (or hand). The
 /// end of the last bone is its end site or, without one, as far beyond the joint as the joint is from its parent. A limb with one bone is
-/// divided in its middle. A leaf whose name marks the end of its parent's bone ("Leg_end") counts as an end site. The new joints do not turn. Necks, heads, tails and helper joints get none. World poses do not change.
+/// divided in its middle. A leaf whose name marks the end of its parent's bone ("Leg_end") counts as an end site. The new joints do not
+/// turn. Necks, heads, tails and helper joints get none. World poses do not change.
 /// @param motions all on the same skeleton
 /// @return names of the joints whose limbs were extended
 std::vector<std::string> add_limb_ends(std::span<MeasuredMotion> motions);

@@ -108,13 +108,12 @@ Result<Intake> take_in_mesh(std::string_view bytes, std::string_view file_name, 
 
 std::optional<Intake> take_in_rigid_parts(std::string_view bytes, std::string_view file_name, const IntakeOptions& options,
                                           std::span<const MeasuredMotion> motions) {
-  if (!has_no_skin(bytes) || !move_no_limb(motions)) return std::nullopt;
+  if (options.motion_of_parts || !has_no_skin(bytes) || !move_no_limb(motions)) return std::nullopt;
   Result<Intake> mesh = take_in_mesh(bytes, file_name, options);
   if (!mesh) return std::nullopt;
   const std::string sentence =
-      "The file moves rigid parts, but no limbs: it contains no body that could be controlled. It is imported as a mesh, from which props "
-      "are "
-      "made; its motion is left out.";
+      "The file moves rigid parts, but no limbs: it contains no body that could be controlled. It is imported as a mesh, from which "
+      "props are made; its motion is left out.";
   mesh->report.push_back(sentence);
   mesh->conversion.check.push_back(sentence);
   return std::move(*mesh);

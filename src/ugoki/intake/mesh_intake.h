@@ -16,7 +16,8 @@ namespace ugoki::intake {
 /// for a file without triangles, which can be a skeleton without a skin.
 [[nodiscard]] Result<Intake> take_in_mesh(std::string_view bytes, std::string_view file_name, const IntakeOptions& options);
 
-/// Imports a file of rigid parts that move, but have no joints, as a mesh. Empty if the file contains a body or no usable mesh.
+/// Imports a file of rigid parts that move, but have no joints, as a mesh. Empty if the file contains a body or no usable mesh,
+/// or if options.motion_of_parts is set.
 [[nodiscard]] std::optional<Intake> take_in_rigid_parts(std::string_view bytes, std::string_view file_name, const IntakeOptions& options,
                                                         std::span<const MeasuredMotion> motions);
 
