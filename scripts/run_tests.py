@@ -16,7 +16,7 @@ import subprocess
 import sys
 import time
 
-FAST_SECONDS, BROWSER_SECONDS, SLOW_SECONDS = 600, 1500, 3000  # time limits; a suite that exceeds its limit is ended and fails
+FAST_SECONDS, BROWSER_SECONDS, SLOW_SECONDS, SOAK_SECONDS = 600, 1500, 3000, 4500  # time limits; a suite that exceeds its limit is ended and fails
 
 
 @dataclasses.dataclass
@@ -175,6 +175,8 @@ def run_all(options):
         report(timed(vitest_suite, root, results))
     if options.e2e:
         report(timed(lines_suite, "e2e", ["npm", "run", "--silent", "e2e"] + (["--", "--slow"] if options.slow else []), BROWSER_SECONDS, cwd=root / "web"))
+    if options.e2e and options.slow:
+        report(timed(lines_suite, "soak", ["node", str(root / "benchmarks/studio/soak.mjs")], SOAK_SECONDS, cwd=root / "web"))
     if options.export:
         report(timed(lines_suite, "export", ["node", "e2e/export.mjs"] + (["--slow"] if options.slow else []),
                      SLOW_SECONDS if options.slow else FAST_SECONDS, cwd=root / "web"))

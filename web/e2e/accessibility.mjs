@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
-import { until } from './browser.mjs';
+import { painted, step_history, toggle_theme, until } from './browser.mjs';
 import { leg_swing_bvh } from './library.mjs';
 import { mock } from './service.mjs';
 import { crowded, resize, windows } from './windows.mjs';
@@ -82,7 +82,7 @@ export const deep_views = [
     await page.keyboard.press('Control+k');
     await page.keyboard.type('add an lsi');
     await page.keyboard.press('Enter');
-    await page.waitForTimeout(300);
+    await page.locator('.candidate-name').first().waitFor();
   }, async (page) => {
     await escape(page);
     await tab(page, 'Scenario');
@@ -97,10 +97,7 @@ export const deep_views = [
   }, async (page) => {
     await page.getByRole('button', { name: 'Remove rule 1' }).click();
     await page.locator('.rule').waitFor({ state: 'detached' });
-    for (let i = 0; i < 2; i++) {
-      await page.keyboard.press('Control+z');
-      await page.waitForTimeout(400);
-    }
+    for (let i = 0; i < 2; i++) await step_history(page, 'Control+z');
     await tab(page, 'Scenario');
   }],
   ['rules with a variable', async (page) => {
@@ -128,8 +125,7 @@ export const deep_views = [
     await page.locator('.curve-plot canvas').waitFor();
     await page.locator('.curve-row').first().waitFor();
   }, async (page) => {
-    await page.keyboard.press('Control+z');
-    await page.waitForTimeout(400);
+    await step_history(page, 'Control+z');
     await page.keyboard.press('e');
     await tab(page, 'Scenario');
   }],
@@ -214,19 +210,15 @@ export const accessibility_journeys = [
     name: 'access: axe-core finds no violation in scenario, library, inspector and dialogs, in the light theme',
     async run({ page }) {
       const found = [];
-      const switch_theme = async () => {
-        await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
-        await page.waitForTimeout(200);
-      };
-      await switch_theme();
+      await toggle_theme(page);
       assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), 'light');
       for (const [name, open, leave] of views) {
         await open(page);
-        await page.waitForTimeout(250);
+        await painted(page);
         for (const line of await violations(page)) found.push(`${name}: ${line}`);
         await leave?.(page);
       }
-      await switch_theme();
+      await toggle_theme(page);
       assert.deepEqual([...new Set(found)], []);
     },
   },
@@ -260,8 +252,7 @@ export const accessibility_journeys = [
       await page.locator('.clip').first().click();
       const before = await widths();
       for (const [width, height] of windows) {
-        await page.setViewportSize({ width, height });
-        await page.waitForTimeout(1200);
+        await resize(page, [width, height]);
         for (const line of await crowded(page)) bad.push(`${width} x ${height}: ${line}`);
         if (width >= 960 && width < 2400) {
           assert.deepEqual(await widths(), before, `${width} x ${height}: the side panels keep their width`);
@@ -285,8 +276,7 @@ export const accessibility_journeys = [
     async run({ page }) {
       for (let round = 0; round < 2; round++) {
         await check_windows(page, [...views, ...deep_views], windows, true);
-        await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
-        await page.waitForTimeout(200);
+        await toggle_theme(page);
       }
     },
   },

@@ -40,14 +40,36 @@ export async function step_history(page, key) {
   await until(page, async () => (await page.evaluate('window.ugoki.undo()')).revision !== revision, `the command after ${key}`, 20000);
 }
 
+/** Undoes commands while `ask` is truthy, at most 60. */
+export async function undo_while(page, ask) {
+  for (let count = 0; await ask(); count++) {
+    if (!(await page.evaluate('window.ugoki.undo()')).can_undo || count >= 60) throw new Error('undo does not lead to the former state');
+    await step_history(page, 'Control+z');
+  }
+}
+
+/** Waits until the page has painted its newest state and no transition runs. */
+export const painted = (page) =>
+  page.evaluate(async () => {
+    const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
+    await frame();
+    await frame();
+    const ends = document.getAnimations().filter((a) => a.effect?.getComputedTiming().endTime !== Infinity).map((a) => a.finished.catch(() => undefined));
+    await Promise.all(ends);
+    await frame();
+  });
+
+/** Switches between the dark and the light theme. */
+export async function toggle_theme(page) {
+  await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+  await painted(page);
+}
+
 /** Undoes commands until the text of the document is `wanted`. @return the number of undone commands */
 export async function undo_to(page, wanted) {
   await blur(page);
   let count = 0;
-  for (; (await text_of(page)) !== wanted; count++) {
-    if (!(await page.evaluate('window.ugoki.undo()')).can_undo || count >= 60) throw new Error('undo does not lead to the former document');
-    await step_history(page, 'Control+z');
-  }
+  await undo_while(page, async () => (await text_of(page)) !== wanted && ++count);
   return count;
 }
 /** Switches to 'Edit' or 'Simulate'. */

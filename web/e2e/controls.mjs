@@ -1,8 +1,9 @@
 // Play controls: a key held in the page changes a value on a wire of the running circuit.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
+import { undo_while } from './browser.mjs';
 import { mock } from './service.mjs';
-import { add, large, spot, state, undo, until } from './wiring.mjs';
+import { add, large, spot, state, until } from './wiring.mjs';
 
 const skip = mock && 'the mock service has no circuit runtime';
 const value = (page) => page.evaluate(() => window.ugoki.pin_value('keyboard', 'pressed')?.[0]);
@@ -64,10 +65,7 @@ export const control_journeys = [
       await page.keyboard.up('Space');
 
       await page.getByRole('radio', { name: 'Edit' }).click();
-      while ((await undo(page)).can_undo && (await state(page)).lsis.length > before) {
-        await page.keyboard.press('Control+z');
-        await page.waitForTimeout(300);
-      }
+      await undo_while(page, async () => (await state(page)).lsis.length > before);
     },
   },
 ].map((journey) => ({ ...journey, skip }));

@@ -2,7 +2,8 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
-import { document_of, set_mode, until } from './browser.mjs';
+import { document_of, painted, set_mode, toggle_theme, undo_to, until } from './browser.mjs';
+import { resize } from './windows.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no simulation and one project';
@@ -48,14 +49,11 @@ async function seek(page, time) {
 }
 const picture_of = async (page, name) => {
   for (const [width, height] of [[1440, 900], [1280, 720]]) {
-    await page.setViewportSize({ width, height });
-    await page.waitForTimeout(600);
+    await resize(page, [width, height]);
     await page.screenshot({ path: `${pictures}${name}-${width}.png` });
   }
-  await page.setViewportSize({ width: 1440, height: 900 });
-  await page.waitForTimeout(400);
+  await resize(page, [1440, 900]);
 };
-const toggle_theme = (page) => page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
 
 /**
  * Creates contents of the gallery, simulates each for a moment, and opens the first project again.
@@ -70,7 +68,7 @@ async function create_contents({ page }, wanted) {
   await page.keyboard.type('new project');
   await page.keyboard.press('Enter');
   for (const [i, card] of (await page.locator('.gallery-card').all()).entries()) if (wanted(i)) ids.push(await card.getAttribute('data-entry'));
-  await page.waitForTimeout(500);
+  await painted(page);
   await picture_of(page, 'gallery-dark');
   await page.keyboard.press('Escape');
   await toggle_theme(page);
@@ -252,10 +250,7 @@ export const editor_journeys = [
       await page.keyboard.press('Delete');
       await document_becomes(page, (d) => !d.markers, 'the marker to be removed');
       await focus_scenario(page);
-      for (let i = 0; i < 12 && JSON.stringify(await document_of(page)) !== JSON.stringify(before); i++) {
-        await page.keyboard.press('Control+z');
-        await page.waitForTimeout(300);
-      }
+      await undo_to(page, JSON.stringify(before));
       assert.deepEqual(await document_of(page), before);
     },
   },
@@ -352,10 +347,7 @@ export const editor_journeys = [
       assert.ok((await page.locator(`[data-character="${human.id}"] .problem-mark`).count()) > 0, 'the timeline marks the problems');
       await set_mode(page, 'Edit');
       await focus_scenario(page);
-      for (let i = 0; i < 6 && JSON.stringify(await document_of(page)) !== JSON.stringify(before); i++) {
-        await page.keyboard.press('Control+z');
-        await page.waitForTimeout(300);
-      }
+      await undo_to(page, JSON.stringify(before));
       assert.deepEqual(await document_of(page), before);
     },
   },

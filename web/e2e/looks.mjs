@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { document_of, set_mode, until } from './browser.mjs';
+import { document_of, set_mode, undo_to, until } from './browser.mjs';
 import { violations } from './accessibility.mjs';
 import { mock } from './service.mjs';
 
@@ -207,10 +207,7 @@ export const look_journeys = [
       // all is undone
       await through(page).selectOption('free');
       await page.evaluate('document.activeElement?.blur?.()');
-      for (let i = 0; i < 40 && JSON.stringify(await document_of(page)) !== before; i++) {
-        await page.keyboard.press('Control+z');
-        await page.waitForTimeout(150);
-      }
+      await undo_to(page, before);
       assert.equal(JSON.stringify(await document_of(page)), before);
     },
   },

@@ -1,7 +1,8 @@
 // Journeys for posing, keys and curves.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { camera_rests, document_of, set_mode, steady, step_history, undo_to, until } from './browser.mjs';
+import { camera_rests, document_of, set_mode, steady, step_history, toggle_theme, undo_to, until } from './browser.mjs';
+import { resize } from './windows.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no poses';
@@ -171,15 +172,13 @@ export const posing_journeys = [
 
       // sizes and the light theme
       for (const [width, height] of [[1280, 720], [1024, 640]]) {
-        await page.setViewportSize({ width, height });
-        await page.waitForTimeout(500);
+        await resize(page, [width, height]);
         await page.screenshot({ path: `${pictures}pose-${width}.png` });
       }
-      await page.setViewportSize({ width: 1440, height: 900 });
-      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
-      await page.waitForTimeout(500);
+      await resize(page, [1440, 900]);
+      await toggle_theme(page);
       await page.screenshot({ path: `${pictures}pose-light.png` });
-      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+      await toggle_theme(page);
 
       // undo to the start, redo to the end: equal each time
       const after = JSON.stringify(await document_of(page));

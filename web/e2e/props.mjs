@@ -1,7 +1,7 @@
 // A journey: props are added by mouse, changed in the inspector, moved in the viewport, simulated, and undone.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { blur, camera_rests, document_of, set_mode, text_of, undo_to, until } from './browser.mjs';
+import { blur, camera_rests, document_of, set_mode, text_of, toggle_theme, undo_to, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service makes no props';
@@ -84,10 +84,9 @@ export const prop_journeys = [
       await page.keyboard.press('f');
       await camera_rests(page);
       await page.screenshot({ path: `${pictures}mesh-prop.png` });
-      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
-      await page.waitForTimeout(500);
+      await toggle_theme(page);
       await page.screenshot({ path: `${pictures}mesh-prop-light.png` });
-      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+      await toggle_theme(page);
 
       // with a mass: that of wood, and the density that the field shows
       await page.locator('.inspector').getByRole('switch', { name: 'Moves' }).or(page.locator('.inspector').getByLabel('Moves')).first().click();

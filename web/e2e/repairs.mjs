@@ -1,7 +1,7 @@
 // Journeys (end-to-end tests) for faults that users reported. Each journey failed before the repair of its fault.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { document_of, ready, set_mode, until } from './browser.mjs';
+import { camera_rests, document_of, ready, set_mode, steady, text_of, undo_while, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no library and no simulation';
@@ -9,13 +9,7 @@ const pictures = fileURLToPath(new URL('./out/', import.meta.url));
 
 const undo_to = async (page, wanted) => {
   await page.locator('.scenario').click({ position: { x: 400, y: 6 } });
-  await until(page, async () => {
-    if (JSON.stringify(await document_of(page)) === JSON.stringify(wanted)) return true;
-    if ((await page.evaluate(() => window.ugoki.undo().can_undo)) === false) throw new Error('the document was not restored');
-    await page.keyboard.press('Control+z');
-    await page.waitForTimeout(250);
-    return false;
-  }, 'the document as before');
+  await undo_while(page, async () => (await text_of(page)) !== JSON.stringify(wanted));
 };
 
 export const repair_journeys = [
@@ -207,16 +201,16 @@ export const repair_journeys = [
       await page.mouse.down();
       await page.mouse.move(canvas.x + 30, canvas.y + 20, { steps: 10 });
       await page.mouse.up();
-      await page.waitForTimeout(1500);
+      await camera_rests(page);
       assert.ok((await floor()).height > 0, `the camera is ${(await floor()).height} m above the floor`);
       await page.keyboard.press('7');
-      await page.waitForTimeout(1200);
-      const before = await floor();
+      await camera_rests(page);
+      const before = await steady(page, floor, 'the view from above');
       for (let i = 0; i < 4; i++) await page.keyboard.press('Control+ArrowDown');
       for (let i = 0; i < 4; i++) await page.keyboard.press('Control+ArrowLeft');
       await page.keyboard.press('+');
-      await page.waitForTimeout(1500);
-      const after = await floor();
+      await camera_rests(page);
+      const after = await steady(page, floor, 'the nearer view');
       assert.ok(after.distance < before.distance * 0.95 && after.azimuth !== before.azimuth);
       await page.keyboard.press('a');
       await page.keyboard.press('1');

@@ -1,7 +1,8 @@
 // Journeys for rules: interactive content without wiring.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { document_of, set_mode, undo_to, until } from './browser.mjs';
+import { document_of, set_mode, step_history, toggle_theme, undo_to, until } from './browser.mjs';
+import { resize } from './windows.mjs';
 import { mock } from './service.mjs';
 import { head } from './wiring.mjs';
 
@@ -64,15 +65,13 @@ export const rule_journeys = [
       await page.getByRole('button', { name: 'Move rule 3 up' }).click();
       await rules_become(page, (r) => r[1].if.length === 2, 'the higher priority');
       for (const [width, height] of [[1440, 900], [1280, 720], [1024, 640]]) {
-        await page.setViewportSize({ width, height });
-        await page.waitForTimeout(500);
+        await resize(page, [width, height]);
         await page.screenshot({ path: `${pictures}rules-${width}.png` });
       }
-      await page.setViewportSize({ width: 1440, height: 900 });
-      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
-      await page.waitForTimeout(300);
+      await resize(page, [1440, 900]);
+      await toggle_theme(page);
       await page.screenshot({ path: `${pictures}rules-light.png` });
-      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+      await toggle_theme(page);
 
       // the generated circuit has the rules
       await page.getByRole('button', { name: 'Show as circuit' }).click();
@@ -117,8 +116,7 @@ export const rule_journeys = [
       while (JSON.stringify(await document_of(page)) !== JSON.stringify(before)) {
         const { undo_label, can_undo } = await hook(page, 'undo()');
         assert.ok(can_undo && /rule/i.test(undo_label), `undo “${undo_label}”`);
-        await page.keyboard.press('Control+z');
-        await page.waitForTimeout(250);
+        await step_history(page, 'Control+z');
       }
       await page.getByText('Rules make the content interactive').waitFor();
       await page.getByRole('tab', { name: 'Scenario' }).click();
@@ -160,10 +158,9 @@ export const rule_journeys = [
       const row = page.locator('.rule').first();
       await until(page, async () => /While U is held.*changed in the circuit/.test(await row.getAttribute('aria-label')), 'the sentence of the circuit');
       await page.screenshot({ path: `${pictures}rules-circuit.png` });
-      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
-      await page.waitForTimeout(300);
+      await toggle_theme(page);
       await page.screenshot({ path: `${pictures}rules-circuit-light.png` });
-      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+      await toggle_theme(page);
 
       // its condition is removed: no sentence has this form
       await page.getByRole('button', { name: 'Open the circuit' }).click();
@@ -239,15 +236,13 @@ export const rule_journeys = [
       await chip(page, 3, 'Action').selectOption('grab');
       await rules_become(page, (r) => r[3].do.type === 'grab' && r[3].do.link, 'a hand that grabs');
       for (const [width, height] of [[1440, 900], [1024, 640]]) {
-        await page.setViewportSize({ width, height });
-        await page.waitForTimeout(500);
+        await resize(page, [width, height]);
         await page.screenshot({ path: `${pictures}variables-${width}.png` });
       }
-      await page.setViewportSize({ width: 1440, height: 900 });
-      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
-      await page.waitForTimeout(300);
+      await resize(page, [1440, 900]);
+      await toggle_theme(page);
       await page.screenshot({ path: `${pictures}variables-light.png` });
-      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+      await toggle_theme(page);
 
       // play: the third press of K starts the motion; the fifth is beyond the bound
       await set_mode(page, 'Simulate');
@@ -278,8 +273,7 @@ export const rule_journeys = [
       while (JSON.stringify(await document_of(page)) !== JSON.stringify(before)) {
         const { undo_label, can_undo } = await hook(page, 'undo()');
         assert.ok(can_undo && /rule|variable/i.test(undo_label), `undo “${undo_label}”`);
-        await page.keyboard.press('Control+z');
-        await page.waitForTimeout(250);
+        await step_history(page, 'Control+z');
       }
       await page.getByRole('tab', { name: 'Scenario' }).click();
     },
