@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <string>
@@ -39,6 +40,8 @@ const int parents[joints] = {-1, 0, 1, 2, 2, 4};
 struct Rig {
   Quat armature_turn = normalized(Quat{0.7, -0.7, 0.1, 0});
   Vec3 armature_place{0.2, 1.1, -0.4};
+  bool colored = false;       ///< vertices have the colours of color_of()
+  double target_weight = -1;  ///< at rest, of a morph target that moves vertex v by target_offset(v); below 0: no target
   Vec3 offset[joints] = {{0, 0, 0}, {0, 30, 0}, {0, 35, 3}, {4, 20, 0}, {0, 40, 0}, {0, 25, 5}};
 
   Quat turn(int joint, double t) const {
@@ -79,6 +82,11 @@ std::vector<Vertex> vertices_of(const Rig& rig) {
     }
   return out;
 }
+
+/// Linear red, green, blue and alpha of a vertex.
+std::array<float, 4> color_of(std::size_t v) { return {static_cast<float>(v % 5) / 4, 0.25f, 1.5f, 0.5f}; }
+/// In the unit of the mesh.
+Vec3 target_offset(std::size_t v) { return {0.01 * static_cast<double>(v), 0, -0.02}; }
 
 std::vector<std::byte> write_rig(const Rig& rig, const std::vector<std::byte>& picture) {
   formats::GlbChunk chunk;
@@ -132,10 +140,22 @@ std::vector<std::byte> write_rig(const Rig& rig, const std::vector<std::byte>& p
     }
   }
   nodes.push_back({{"name", "body"}, {"mesh", 0}, {"skin", 0}});
-  const Json attributes = {{"POSITION", chunk.floats(positions, 3, "VEC3")},
-                           {"TEXCOORD_0", chunk.floats(uvs, 2, "VEC2")},
-                           {"JOINTS_0", chunk.add(bones, 4, "VEC4", 5123)},
-                           {"WEIGHTS_0", chunk.floats(weights, 4, "VEC4")}};
+  Json attributes = {{"POSITION", chunk.floats(positions, 3, "VEC3")},
+                     {"TEXCOORD_0", chunk.floats(uvs, 2, "VEC2")},
+                     {"JOINTS_0", chunk.add(bones, 4, "VEC4", 5123)},
+                     {"WEIGHTS_0", chunk.floats(weights, 4, "VEC4")}};
+  std::vector<float> colors, offsets;
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    const std::array<float, 4> color = color_of(v);
+    colors.insert(colors.end(), color.begin(), color.end());
+    for (int k = 0; k < 3; ++k) offsets.push_back(static_cast<float>(target_offset(v)[k]));
+  }
+  if (rig.colored) attributes["COLOR_0"] = chunk.floats(colors, 4, "VEC4");
+  Json mesh = {{"primitives", {{{"attributes", attributes}, {"indices", chunk.add(indices, 1, "SCALAR", 5123)}, {"material", 0}}}}};
+  if (rig.target_weight >= 0) {
+    mesh["primitives"][0]["targets"] = {{{"POSITION", chunk.floats(offsets, 3, "VEC3")}}};
+    mesh["weights"] = {rig.target_weight};
+  }
   std::string encoded = "data:image/png;base64,";
   constexpr const char* letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   for (std::size_t i = 0; i + 2 < picture.size(); i += 3) {
@@ -152,7 +172,7 @@ std::vector<std::byte> write_rig(const Rig& rig, const std::vector<std::byte>& p
       {"textures", {{{"source", 0}}}},
       {"materials",
        {{{"pbrMetallicRoughness", {{"baseColorFactor", {1, 0, 0, 1}}, {"baseColorTexture", {{"index", 0}}}}}, {"doubleSided", true}}}},
-      {"meshes", {{{"primitives", {{{"attributes", attributes}, {"indices", chunk.add(indices, 1, "SCALAR", 5123)}, {"material", 0}}}}}}},
+      {"meshes", {mesh}},
       {"skins", {{{"joints", {1, 2, 3, 4, 5, 6}}, {"inverseBindMatrices", chunk.floats(binds, 16, "MAT4")}}}},
       {"animations", {{{"name", "sway"}, {"channels", channels}, {"samplers", samplers}}}}};
   return chunk.finish(std::move(root));
@@ -252,6 +272,47 @@ TEST(Skin, IsStoredWithTheMechanism) {
   damaged = text;
   damaged.replace(damaged.find("\"link\": \"joint", damaged.find("\"skin\"")) + 9, 5, "other");
   EXPECT_FALSE(formats::read_mechanism(damaged, "damaged")) << "a bone on an unknown link is refused";
+}
+
+TEST(Skin, KeepsTheColorsOfItsVertices) {
+  Rig rig;
+  rig.colored = true;
+  const Result<Intake> made = take_in_rig(rig, picture(64, 32));
+  ASSERT_TRUE(made) << made.error().text();
+  const Skin& skin = *made->mechanism->skin();
+  ASSERT_EQ(skin.colors.size(), 3 * skin.vertex_count());
+  for (std::size_t v = 0; v < skin.vertex_count(); ++v) {
+    EXPECT_NEAR(skin.colors[3 * v], 65535.0 * static_cast<double>(color_of(v)[0]), 1);
+    EXPECT_EQ(skin.colors[3 * v + 1], 16384);
+    EXPECT_EQ(skin.colors[3 * v + 2], 65535) << "clamped";
+  }
+  const std::string text = formats::write_mechanism(*made->mechanism);
+  const Result<MechanismPtr> back = formats::read_mechanism(text, "back");
+  ASSERT_TRUE(back) << back.error().text();
+  EXPECT_EQ((*back)->skin()->colors, skin.colors);
+  EXPECT_EQ(formats::write_mechanism(**back), text);
+  std::string damaged = text;
+  damaged.replace(damaged.find("\"colors\": \"") + 11, 8, "");
+  EXPECT_FALSE(formats::read_mechanism(damaged, "damaged")) << "colours of fewer vertices are refused";
+  const Result<Intake> plain = take_in_rig({}, picture(64, 32));
+  ASSERT_TRUE(plain) << plain.error().text();
+  EXPECT_TRUE(plain->mechanism->skin()->colors.empty());
+}
+
+TEST(Skin, HasTheShapeOfMorphTargetsAtRest) {
+  const Result<Intake> plain = take_in_rig({}, picture(64, 32));
+  ASSERT_TRUE(plain) << plain.error().text();
+  for (const double weight : {0.0, 0.5}) {
+    Rig rig;
+    rig.target_weight = weight;
+    const Result<Intake> made = take_in_rig(rig, picture(64, 32));
+    ASSERT_TRUE(made) << made.error().text();
+    EXPECT_NE(made->report[0].find("not animated"), std::string::npos) << made->report[0];
+    const std::vector<float>&without = plain->mechanism->skin()->positions, &with = made->mechanism->skin()->positions;
+    ASSERT_EQ(with.size(), without.size());
+    for (std::size_t i = 0; i < with.size(); ++i)
+      EXPECT_NEAR(with[i] - without[i], weight * target_offset(i / 3)[static_cast<int>(i % 3)], 1e-6);
+  }
 }
 
 TEST(Skin, ReportsWhatIsLeftOut) {

@@ -34,7 +34,8 @@ Json surface_json(const HeightField& f) {
           {"half_y", f.half_y},   {"base", f.base}, {"heights", packed(heights)}};
 }
 
-/// Returns the skin as JSON: its lists in Base64 (positions, normals, uvs: 32-bit floats; bones, weights: 16 bits; indices: 32 bits).
+/// Returns the skin as JSON: its lists in Base64 (positions, normals, uvs: 32-bit floats; bones, weights, colors: 16 bits; indices: 32
+/// bits).
 Json skin_json(const Mechanism& m) {
   const Skin& skin = *m.skin();
   Json parts = Json::array(), textures = Json::array(), links = Json::array(), matrices = Json::array();
@@ -51,10 +52,12 @@ Json skin_json(const Mechanism& m) {
     for (int row = 0; row < 3; ++row)
       for (const double x : {b.A.row(row).x, b.A.row(row).y, b.A.row(row).z, b.p[row]}) matrices.push_back(x);
   }
-  return {{"positions", packed(skin.positions)}, {"normals", packed(skin.normals)}, {"uvs", packed(skin.uvs)},
-          {"bones", packed(skin.bones)},         {"weights", packed(skin.weights)}, {"indices", packed(skin.indices)},
-          {"parts", std::move(parts)},           {"textures", std::move(textures)}, {"links", std::move(links)},
-          {"matrices", std::move(matrices)}};
+  Json out = {{"positions", packed(skin.positions)}, {"normals", packed(skin.normals)}, {"uvs", packed(skin.uvs)},
+              {"bones", packed(skin.bones)},         {"weights", packed(skin.weights)}, {"indices", packed(skin.indices)},
+              {"parts", std::move(parts)},           {"textures", std::move(textures)}, {"links", std::move(links)},
+              {"matrices", std::move(matrices)}};
+  if (!skin.colors.empty()) out["colors"] = packed(skin.colors);
+  return out;
 }
 
 std::vector<Pose> poses_at(const Mechanism& mechanism, std::span<const double> q) {

@@ -67,6 +67,14 @@ void add_normals(Skin& skin, std::size_t first, std::size_t first_index) {
   }
 }
 
+void add_colors(Skin& skin, std::size_t first, std::span<const double> linear) {
+  if (linear.empty() && skin.colors.empty()) return;
+  skin.colors.resize(3 * first, 65535);
+  for (const double x : linear)  // false for a value that is not a number
+    skin.colors.push_back(x > 0 ? static_cast<std::uint16_t>(std::floor(65535 * std::min(x, 1.0) + 0.5)) : std::uint16_t{0});
+  skin.colors.resize(3 * skin.vertex_count(), 65535);
+}
+
 void remove_unused(FileSkin& file) {
   Skin& s = file.skin;
   std::vector<char> vertices(s.vertex_count(), 0), bones(file.bones.size(), 0), textures(s.textures.size(), 0);
@@ -75,6 +83,7 @@ void remove_unused(FileSkin& file) {
   keep_rows(s.positions, 3, place);
   keep_rows(s.normals, 3, place);
   keep_rows(s.uvs, 2, place);
+  if (!s.colors.empty()) keep_rows(s.colors, 3, place);
   keep_rows(s.bones, 4, place);
   keep_rows(s.weights, 4, place);
   for (std::uint32_t& i : s.indices) i = static_cast<std::uint32_t>(place[i]);

@@ -1,6 +1,7 @@
 #pragma once
 // The skin of a character as a file gives it, before its bones are attached to the links of a body.
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,10 @@ void add_weights(Skin& skin, std::vector<std::pair<std::uint16_t, double>>& shar
 /// Sets normals of the vertices from `first` on to the mean of the normals of their triangles, weighted with the areas.
 /// @param first_index index in Skin::indices of the first corner of these triangles
 void add_normals(Skin& skin, std::size_t first, std::size_t first_index);
+
+/// Sets the colours of the vertices from `first` on. @param linear [vertices from first on][3] red, green and blue; clamped to 0 ... 1;
+/// empty: white
+void add_colors(Skin& skin, std::size_t first, std::span<const double> linear);
 
 /// Removes vertices that no triangle uses, bones that no vertex uses, and textures that no part uses.
 void remove_unused(FileSkin& skin);

@@ -28,13 +28,15 @@ class MeshReader : private GltfData {
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       const auto mesh = index(nodes[i], "mesh", meshes.size());
       if (!mesh || *mesh < 0) continue;
-      const Json* primitives = member(meshes[static_cast<std::size_t>(*mesh)], "primitives");
+      const Json& json = meshes[static_cast<std::size_t>(*mesh)];
+      const Json* primitives = member(json, "primitives");
       if (primitives == nullptr || !primitives->is_array()) continue;
       for (std::size_t k = 0; k < primitives->size(); ++k) {
         const std::string where = path("meshes", static_cast<std::size_t>(*mesh)) + "/primitives/" + std::to_string(k);
         GltfSurface surface;
         surface.node = i;
-        if (!read_primitive((*primitives)[k], where, surface)) {
+        if (!read_primitive((*primitives)[k], where, surface) ||
+            !apply_targets((*primitives)[k], rest_weights(nodes[i], json), where, surface)) {
           if (!error_.empty()) remark("A part of the mesh is left out: " + error_.problems[0].message);
           error_ = {};
           continue;
@@ -95,10 +97,62 @@ class MeshReader : private GltfData {
     else
       out.part.texture = -1;
     if (!error_.empty()) return false;
-    if (out.part.texture < 0 && member(*attributes, "COLOR_0") != nullptr)
-      remark("Colours of single vertices are left out; the base colours of the materials are shown.");
-    if (member(json, "targets") != nullptr) remark("Shapes of the face and other morph targets are left out.");
+    if (!read_colors(*attributes, n, where, out.colors)) return false;
     return read_corners(json, where, n, *mode < 0 ? 4 : *mode, out);
+  }
+
+  /// Reads the colours of the vertices without their alpha; false if they are damaged.
+  bool read_colors(const Json& attributes, std::size_t n, const std::string& where, std::vector<double>& out) {
+    const auto which = index(attributes, "COLOR_0", list("accessors").size());
+    if (!which) return refuse(ErrorCode::structure, where + "/attributes/COLOR_0", "The index of the accessor is invalid.");
+    if (*which < 0) return true;
+    const std::size_t width = text(list("accessors")[static_cast<std::size_t>(*which)], "type") == "VEC4" ? 4 : 3;
+    if (!attribute(attributes, "COLOR_0", width, n, where, out)) return false;
+    for (std::size_t v = 0; width == 4 && v < n; ++v)
+      for (std::size_t k = 0; k < 3; ++k) out[3 * v + k] = out[4 * v + k];
+    out.resize(3 * n);
+    return true;
+  }
+
+  /// Adds the morph targets of a mesh with their weights at rest. Shapes do not change during a motion. @return false: a target is damaged
+  /// @param weights of the targets of the mesh
+  bool apply_targets(const Json& json, const std::vector<double>& weights, const std::string& where, GltfSurface& out) {
+    const Json* targets = member(json, "targets");
+    if (targets == nullptr || !targets->is_array() || targets->empty()) return true;
+    remark("Morph targets, such as shapes of the face, have their weights at rest; they are not animated.");
+    const std::size_t n = out.positions.size() / 3;
+    for (std::size_t t = 0; t < std::min(targets->size(), weights.size()); ++t) {
+      if (weights[t] == 0) continue;
+      const std::string place = where + "/targets/" + std::to_string(t);
+      std::vector<double> offsets;
+      if (attribute((*targets)[t], "POSITION", 3, n, place, offsets)) add_scaled(out.positions, offsets, weights[t]);
+      if (!out.normals.empty() && attribute((*targets)[t], "NORMAL", 3, n, place, offsets)) add_scaled(out.normals, offsets, weights[t]);
+      if (!error_.empty()) return false;
+    }
+    for (std::size_t v = 0; v < out.normals.size(); v += 3) {
+      const Vec3 unit = normalized(
+          Vec3{static_cast<double>(out.normals[v]), static_cast<double>(out.normals[v + 1]), static_cast<double>(out.normals[v + 2])},
+          {0, 0, 1});
+      for (int k = 0; k < 3; ++k) out.normals[v + static_cast<std::size_t>(k)] = static_cast<float>(unit[k]);
+    }
+    return true;
+  }
+
+  static void add_scaled(std::vector<float>& to, const std::vector<double>& offsets, double weight) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] = static_cast<float>(static_cast<double>(to[i]) + weight * offsets[i]);
+  }
+
+  /// Weights at rest of the morph targets of a node's mesh: of the node, or else of the mesh, or else none.
+  static std::vector<double> rest_weights(const Json& node, const Json& mesh) {
+    std::vector<double> out;
+    const Json* list = member(node, "weights");
+    if (list == nullptr) list = member(mesh, "weights");
+    if (list == nullptr || !list->is_array()) return out;
+    for (const Json& w : *list) {
+      const double x = w.is_number() ? w.get<double>() : 0;
+      out.push_back(std::fabs(x) <= max_magnitude ? x : 0);
+    }
+    return out;
   }
 
   static void add_set(const std::vector<double>& joints, const std::vector<double>& weights, std::size_t n, GltfSurface& out) {

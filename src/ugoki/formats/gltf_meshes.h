@@ -16,6 +16,7 @@ struct GltfSurface {
   std::vector<float> positions;        ///< [vertices][3] in the frame of the mesh
   std::vector<float> normals;          ///< [vertices][3], or empty
   std::vector<float> uvs;              ///< [vertices][2]
+  std::vector<double> colors;          ///< [vertices][3] linear, or empty
   std::vector<std::uint32_t> joints;   ///< [vertices][sets] indices in GltfSkin::joints; not checked
   std::vector<double> weights;         ///< [vertices][sets]
   std::vector<std::uint32_t> corners;  ///< of the triangles, indices of vertices

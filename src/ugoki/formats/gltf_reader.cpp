@@ -163,6 +163,7 @@ class Reader {
     Skin& skin = out.skin;
     skin.positions.insert(skin.positions.end(), from.positions.begin(), from.positions.end());
     skin.uvs.insert(skin.uvs.end(), from.uvs.begin(), from.uvs.end());
+    add_colors(skin, base, from.colors);
     std::vector<std::pair<std::uint16_t, double>> shares;
     for (std::size_t v = 0; v < from.positions.size() / 3; ++v) {
       shares.clear();

@@ -79,6 +79,7 @@ void read_skin(Fields& document, MechanismSpec& spec) {
   read_packed(f, "positions", skin->positions);
   read_packed(f, "normals", skin->normals);
   read_packed(f, "uvs", skin->uvs);
+  if (f.find("colors") != nullptr) read_packed(f, "colors", skin->colors);
   read_packed(f, "bones", skin->bones);
   read_packed(f, "weights", skin->weights);
   read_packed(f, "indices", skin->indices);
@@ -95,8 +96,9 @@ void read_skin(Fields& document, MechanismSpec& spec) {
 
 std::string skin_text(const Skin& skin, std::span<const SkinBone> bones) {
   std::string out = ",\n  \"skin\": {\n    \"positions\": " + packed(skin.positions) + ",\n    \"normals\": " + packed(skin.normals) +
-                    ",\n    \"uvs\": " + packed(skin.uvs) + ",\n    \"bones\": " + packed(skin.bones) +
-                    ",\n    \"weights\": " + packed(skin.weights) + ",\n    \"indices\": " + packed(skin.indices) + ",\n    \"parts\": [";
+                    ",\n    \"uvs\": " + packed(skin.uvs) + (skin.colors.empty() ? "" : ",\n    \"colors\": " + packed(skin.colors)) +
+                    ",\n    \"bones\": " + packed(skin.bones) + ",\n    \"weights\": " + packed(skin.weights) +
+                    ",\n    \"indices\": " + packed(skin.indices) + ",\n    \"parts\": [";
   for (const SkinPart& p : skin.parts) {
     out += &p == skin.parts.data() ? "\n      " : ",\n      ";
     out += "{\"color\": \"" + p.color + "\", \"texture\": " + std::to_string(p.texture) + ", \"first\": " + std::to_string(p.first) +

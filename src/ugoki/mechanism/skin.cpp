@@ -58,6 +58,7 @@ void check_skin(const Skin& skin, std::size_t bones, std::string_view location, 
   if (n == 0 || n > max_skin_vertices || skin.positions.size() != 3 * n) return wrong("the number of vertices is out of range");
   if (skin.normals.size() != 3 * n || skin.uvs.size() != 2 * n || skin.bones.size() != 4 * n || skin.weights.size() != 4 * n)
     return wrong("its lists have different lengths");
+  if (!skin.colors.empty() && skin.colors.size() != 3 * n) return wrong("the number of colours differs from that of the vertices");
   if (!all_finite(skin.positions) || !all_finite(skin.normals) || !all_finite(skin.uvs)) return wrong("a value is not finite");
   if (bones == 0 || bones > max_skin_bones) return wrong("the number of bones is out of range");
   if (std::ranges::any_of(skin.bones, [&](std::uint16_t b) { return b >= bones; })) return wrong("a vertex has a bone that does not exist");
@@ -88,7 +89,7 @@ void check_skin(const Skin& skin, std::size_t bones, std::string_view location, 
 
 std::size_t bytes_of(const Skin& skin) {
   std::size_t sum = 4 * (skin.positions.size() + skin.normals.size() + skin.uvs.size() + skin.indices.size()) +
-                    2 * (skin.bones.size() + skin.weights.size());
+                    2 * (skin.bones.size() + skin.weights.size() + skin.colors.size());
   for (const SkinTexture& t : skin.textures) sum += t.data.size();
   return sum;
 }

@@ -33,9 +33,11 @@ struct SkinPart {
 
 /// Surface with weights. Vertices are in the frame and unit of their bones (SkinBone::A maps them to metres). Immutable once made.
 struct Skin {
-  std::vector<float> positions;        ///< [vertices][3]
-  std::vector<float> normals;          ///< [vertices][3] unit vectors
-  std::vector<float> uvs;              ///< [vertices][2] of the textures; (0, 0) is the top left corner of the picture
+  std::vector<float> positions;  ///< [vertices][3]
+  std::vector<float> normals;    ///< [vertices][3] unit vectors
+  std::vector<float> uvs;        ///< [vertices][2] of the textures; (0, 0) is the top left corner of the picture
+  /// [vertices][3] linear red, green and blue in 1/65535, multiplied with colour and texture of the part; empty: all white
+  std::vector<std::uint16_t> colors;
   std::vector<std::uint16_t> bones;    ///< [vertices][4] indices in MechanismSpec::skin_bones
   std::vector<std::uint16_t> weights;  ///< [vertices][4] shares of the bones, in 1/65535; their sum is 65535
   std::vector<std::uint32_t> indices;  ///< corners of the triangles: indices of vertices

@@ -144,11 +144,12 @@ class Writer {
     }
     const int position = chunk_.floats(skin.positions, 3, "VEC3", 34962);
     chunk_.bound(position, skin.positions, 3);
-    const Json attributes = {{"POSITION", position},
-                             {"NORMAL", chunk_.floats(normals, 3, "VEC3", 34962)},
-                             {"TEXCOORD_0", chunk_.floats(skin.uvs, 2, "VEC2", 34962)},
-                             {"JOINTS_0", chunk_.add(skin.bones, 4, "VEC4", 5123, 34962)},
-                             {"WEIGHTS_0", chunk_.floats(weights, 4, "VEC4", 34962)}};
+    Json attributes = {{"POSITION", position},
+                       {"NORMAL", chunk_.floats(normals, 3, "VEC3", 34962)},
+                       {"TEXCOORD_0", chunk_.floats(skin.uvs, 2, "VEC2", 34962)},
+                       {"JOINTS_0", chunk_.add(skin.bones, 4, "VEC4", 5123, 34962)},
+                       {"WEIGHTS_0", chunk_.floats(weights, 4, "VEC4", 34962)}};
+    if (!skin.colors.empty()) attributes["COLOR_0"] = chunk_.floats(linear_colors(skin), 3, "VEC3", 34962);
     const std::size_t first_texture = textures_.size();
     for (const SkinTexture& t : skin.textures) {
       textures_.push_back({{"source", images_.size()}});
@@ -170,6 +171,12 @@ class Writer {
       materials_.push_back(std::move(material));
     }
     add_node(name + " skin", std::move(primitives), joints, binds);
+  }
+
+  static std::vector<float> linear_colors(const Skin& skin) {
+    std::vector<float> out;
+    for (const std::uint16_t x : skin.colors) out.push_back(static_cast<float>(x) / 65535);
+    return out;
   }
 
   /// Adds a mesh with its skin and the node that shows it.

@@ -18,6 +18,7 @@ constexpr double max_coordinate = 1e9;   // file units
 constexpr double cutoff_of_hair = 0.35;  // alpha; without sorting, a cut-off looks better than blending
 
 double real(ai_real x) { return static_cast<double>(x); }
+double linear_of_srgb(double x) { return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4); }
 bool plausible(const aiVector3D& v) {
   return std::fabs(real(v.x)) <= max_coordinate && std::fabs(real(v.y)) <= max_coordinate && std::fabs(real(v.z)) <= max_coordinate;
 }
@@ -92,7 +93,7 @@ class MeshCollector {
       formats::add_weights(skin(), of_vertex);
     }
     add_triangles(mesh);
-    if (mesh.mNumAnimMeshes > 0) remark("Shapes of the face and other morph targets are left out.");
+    if (mesh.mNumAnimMeshes > 0) remark("Morph targets, such as shapes of the face, are left out.");
     if (skin().vertex_count() > max_skin_vertices || skin().triangle_count() > max_skin_triangles)
       return refuse("The character has more than " + std::to_string(max_skin_vertices / 1000) + " thousand vertices or " +
                     std::to_string(max_skin_triangles / 1'000'000) + " million triangles.");
@@ -124,11 +125,18 @@ class MeshCollector {
       // these formats count from the lower left corner of the picture
       skin().uvs.insert(skin().uvs.end(), {finite ? static_cast<float>(uv.x) : 0.0f, finite ? static_cast<float>(1 - uv.y) : 0.0f});
     }
-    if (part.texture < 0 && mesh.HasVertexColors(0))
-      remark("Colours of single vertices are left out; the base colours of the materials are shown.");
+    add_vertex_colors(mesh, base);
     part.first = static_cast<std::uint32_t>(first);
     part.count = static_cast<std::uint32_t>(skin().indices.size() - first);
     if (part.count > 0) skin().parts.push_back(std::move(part));
+  }
+
+  /// Adds the colours of the vertices, which are those of sRGB in these formats.
+  void add_vertex_colors(const aiMesh& mesh, std::size_t base) {
+    std::vector<double> linear;
+    for (unsigned v = 0; mesh.HasVertexColors(0) && v < mesh.mNumVertices; ++v)
+      for (const ai_real x : {mesh.mColors[0][v].r, mesh.mColors[0][v].g, mesh.mColors[0][v].b}) linear.push_back(linear_of_srgb(real(x)));
+    formats::add_colors(skin(), base, linear);
   }
 
   void add_surface_normals(const aiMesh& mesh, std::size_t base, std::size_t first) {

@@ -26,7 +26,8 @@ bool take_text(std::string_view& in, std::string& out) {
 /// Writes or reads all lists of a skin, except its parts and textures, with `each`.
 template <class SkinType, class Each>
 bool each_list(SkinType& skin, Each each) {
-  return each(skin.positions) && each(skin.normals) && each(skin.uvs) && each(skin.bones) && each(skin.weights) && each(skin.indices);
+  return each(skin.positions) && each(skin.normals) && each(skin.uvs) && each(skin.colors) && each(skin.bones) && each(skin.weights) &&
+         each(skin.indices);
 }
 
 std::string text_of(const SceneMeshes& meshes) {

@@ -439,6 +439,8 @@ export interface SkinData {
   positions: string;
   normals: string;
   uvs: string;
+  /** 16-bit numbers [vertices][3]: linear red, green, blue in 1/65535; absent: white. */
+  colors?: string;
   /** 16-bit numbers [vertices][4]: bones, and their weights in 1/65535. */
   bones: string;
   weights: string;

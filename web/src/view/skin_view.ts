@@ -52,6 +52,7 @@ function make_shared(skin: SkinData): Shared {
   geometry.setAttribute('position', new THREE.BufferAttribute(unpack(skin.positions, Float32Array), 3));
   geometry.setAttribute('normal', new THREE.BufferAttribute(unpack(skin.normals, Float32Array), 3));
   geometry.setAttribute('uv', new THREE.BufferAttribute(unpack(skin.uvs, Float32Array), 2));
+  if (skin.colors) geometry.setAttribute('color', new THREE.BufferAttribute(unpack(skin.colors, Uint16Array), 3, true));
   geometry.setAttribute('skinIndex', new THREE.BufferAttribute(unpack(skin.bones, Uint16Array), 4));
   geometry.setAttribute('skinWeight', new THREE.BufferAttribute(unpack(skin.weights, Uint16Array), 4, true));
   const matrices = skin.links.map((_, b) => new THREE.Matrix4().set(...(skin.matrices.slice(12 * b, 12 * b + 12) as Twelve), 0, 0, 0, 1));
@@ -108,7 +109,7 @@ export class SkinView {
     this.of_bones = known.spheres;
     for (const sphere of this.of_bones) if (sphere) this.spheres.push(sphere.clone());
     const materials = skin.parts.map((part) => {
-      const material = new THREE.MeshStandardMaterial({ color: part.color, map: decoded[part.texture] ?? null, alphaTest: part.texture >= 0 ? part.cutoff : 0, side: part.both_sides ? THREE.DoubleSide : THREE.FrontSide, roughness: 0.75, metalness: 0 });
+      const material = new THREE.MeshStandardMaterial({ color: part.color, vertexColors: skin.colors !== undefined, map: decoded[part.texture] ?? null, alphaTest: part.texture >= 0 ? part.cutoff : 0, side: part.both_sides ? THREE.DoubleSide : THREE.FrontSide, roughness: 0.75, metalness: 0 });
       void textures[part.texture]?.then((map) => {
         if (material.map === map) return;
         material.map = map;
