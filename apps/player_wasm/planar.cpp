@@ -3,6 +3,13 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+
+#ifdef __wasm__
+#define UGOKI_EXPORT(name) extern "C" __attribute__((export_name(#name), used))
+#else
+#define UGOKI_EXPORT(name) extern "C"  // the tests compile this file for the processor
+#endif
 
 namespace {
 
@@ -56,12 +63,8 @@ void chroma_row(const std::uint32_t* __restrict upper, const std::uint32_t* __re
 /// @param rgba [4 * width * height] rows from the bottom to the top, as WebGL reads them
 /// @param width, height px; even
 /// @param out [3 * width * height / 2, out] luma, then Cb, then Cr, each row by row from the top; must not overlap `rgba`
-extern "C"
-#ifdef __wasm__  // the tests compile this file for the processor
-    __attribute__((export_name("ugoki_planar"), used))
-#endif
-    void
-    ugoki_planar(const std::uint8_t* rgba, std::uint32_t width, std::uint32_t height, std::uint8_t* out) {
+UGOKI_EXPORT(ugoki_planar)
+void ugoki_planar(const std::uint8_t* rgba, std::uint32_t width, std::uint32_t height, std::uint8_t* out) {
   const auto* pixels = reinterpret_cast<const std::uint32_t*>(rgba);
   const std::size_t size = std::size_t{width} * height;
   for (std::uint32_t y = 0; y < height; ++y) luma_row(pixels + std::size_t{height - 1 - y} * width, width, out + std::size_t{y} * width);
@@ -71,4 +74,33 @@ extern "C"
     std::uint8_t* at = out + size + std::size_t{y} * half;
     chroma_row(upper, upper - width, half, at, at + size / 4);
   }
+}
+
+/// Packs a picture: a drawn picture is smooth, so most of its bytes are those of the row above, and messages are six times shorter.
+/// The result is a sequence of [u16 e][u16 n][8 * n bytes], little-endian: e blocks of 8 bytes are equal to those `row` bytes before, the
+/// next n follow. The last size % 8 bytes follow the sequence. apps/ugoki/packed_picture.h unpacks it.
+/// @param row bytes; the blocks of the first row are never equal
+/// @param out [size + size / 100'000 + 16, out] @return number of bytes of `out`
+UGOKI_EXPORT(ugoki_pack)
+std::uint32_t ugoki_pack(const std::uint8_t* picture, std::uint32_t row, std::uint32_t size, std::uint8_t* out) {
+  constexpr std::uint32_t block = 8, longest = 0xffff;
+  std::uint8_t* end = out;
+  const auto equal = [&](std::uint32_t at) { return at >= row && std::memcmp(picture + at, picture + at - row, block) == 0; };
+  const auto write_count = [](std::uint8_t* to, std::uint32_t count) {
+    to[0] = static_cast<std::uint8_t>(count);
+    to[1] = static_cast<std::uint8_t>(count >> 8);
+  };
+  std::uint32_t at = 0;
+  while (at + block <= size) {
+    std::uint32_t count = 0;
+    for (; count < longest && at + block <= size && equal(at); at += block) ++count;
+    write_count(end, count);
+    std::uint8_t* const counted = end + 2;
+    end += 4;
+    for (count = 0; count < longest && at + block <= size && !equal(at); at += block, end += block, ++count)
+      std::memcpy(end, picture + at, block);
+    write_count(counted, count);
+  }
+  for (; at < size; ++at) *end++ = picture[at];
+  return static_cast<std::uint32_t>(end - out);
 }

@@ -17,6 +17,7 @@
 #include "child.h"
 #include "export.h"
 #include "output.h"
+#include "packed_picture.h"
 #include "picture_run.h"
 #include "ugoki/base/number.h"
 #include "ugoki/content/inputs.h"
@@ -72,12 +73,14 @@ class Receiver final : public studio::ServerEvents {
 
   /// @param settings of all pages, JSON @param pages number of pages; page k draws the pictures k, k + pages, k + 2 pages ...
   /// @param raw_size number of bytes of the pixels of a picture
+  /// @param packed_row number of bytes of a row if pages pack the pixels (packed_picture.h); 0: they do not
   /// @param converter bytes of ugoki_planar.wasm
-  Receiver(HostedPlayer hosted, Json settings, std::string converter, int pages, std::size_t raw_size)
+  Receiver(HostedPlayer hosted, Json settings, std::string converter, int pages, std::size_t raw_size, std::size_t packed_row)
       : settings_(std::move(settings)),
         converter_(std::move(converter)),
         pages_(pages),
         raw_size_(raw_size),
+        packed_row_(packed_row),
         run_(std::move(hosted), pages, [this](std::string failure) { set_failure(std::move(failure)); }) {}
 
   /// Sets where pages receive answers, and starts the run; to be called before a page connects. @param outbox must outlive the receiver
@@ -110,18 +113,18 @@ class Receiver final : public studio::ServerEvents {
     }
     answer({404, "{}"});
   }
-  /// The request of a frame, or the number of the picture whose pixels follow as binary messages.
+  /// The request of a frame, or number and number of bytes of the picture whose pixels follow as binary messages.
   void on_message(studio::ClientId client, std::string text, std::function<void()> done) override {
     constexpr std::string_view frame = "frame ";
     if (text.starts_with(frame)) {
       if (const std::optional<long> step = parse_long(text.substr(frame.size())); step && *step >= 0)
         run_.request(client, static_cast<std::uint64_t>(*step));
-    } else if (const std::optional<long> number = parse_long(text)) {
-      const std::lock_guard lock(mutex_);
-      Pixels& pixels = arriving_[client];
-      pixels.number = static_cast<int>(*number);
-      pixels.bytes.clear();
-      pixels.bytes.reserve(raw_size_);
+    } else if (const std::size_t space = text.find(' '); space != std::string::npos) {
+      const std::optional<long> number = parse_long(text.substr(0, space)), size = parse_long(text.substr(space + 1));
+      if (number && size && *size > 0) {
+        const std::lock_guard lock(mutex_);
+        arriving_[client] = {static_cast<int>(*number), static_cast<std::size_t>(*size), {}};
+      }
     }
     done();
   }
@@ -130,9 +133,10 @@ class Receiver final : public studio::ServerEvents {
       const std::lock_guard lock(mutex_);
       Pixels& pixels = arriving_[client];
       pixels.bytes += bytes;
-      if (pixels.bytes.size() > raw_size_) failure_ = "The page has sent a picture of another size.";
-      if (pixels.bytes.size() == raw_size_) {
-        arrived_[pixels.number].raw = std::move(pixels.bytes);
+      if (pixels.bytes.size() >= pixels.size) {
+        std::string raw = packed_row_ > 0 ? unpacked_picture(pixels.bytes, packed_row_, raw_size_) : std::move(pixels.bytes);
+        if (raw.size() != raw_size_) failure_ = "The page has sent a picture of another size.";
+        arrived_[pixels.number].raw = std::move(raw);
         senders_[pixels.number] = client;
         arriving_.erase(client);
       }
@@ -179,6 +183,7 @@ class Receiver final : public studio::ServerEvents {
  private:
   struct Pixels {
     int number = -1;
+    std::size_t size = 0;  ///< bytes, when all have arrived
     std::string bytes;
   };
 
@@ -193,7 +198,7 @@ class Receiver final : public studio::ServerEvents {
   const Json settings_;
   const std::string converter_;
   const int pages_;
-  const std::size_t raw_size_;
+  const std::size_t raw_size_, packed_row_;
   studio::Outbox* outbox_ = nullptr;
   std::atomic<int> next_page_ = 0;
   std::mutex mutex_;
@@ -493,7 +498,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   const int browsers = browser_count(plan->count, graphics_processor);
   const std::size_t pixel_count = static_cast<std::size_t>(o.width) * static_cast<std::size_t>(o.height);
   Receiver receiver(std::move(*hosted), std::move(*settings), std::move(converter), browsers,
-                    plan->planar ? pixel_count * 3 / 2 : pixel_count * 4);
+                    plan->planar ? pixel_count * 3 / 2 : pixel_count * 4, plan->planar ? static_cast<std::size_t>(o.width) : 0);
   studio::ServerOptions server_options;
   server_options.page = *filled;
   server_options.binary_messages = true;

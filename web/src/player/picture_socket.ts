@@ -49,7 +49,7 @@ export async function open_picture_socket(access: Access): Promise<PictureSocket
       new Promise((done, failed) => {
         if (socket.readyState !== WebSocket.OPEN) return failed(lost());
         waiting.set(number, { done, failed });
-        socket.send(String(number));
+        socket.send(`${number} ${pixels.length}`);
         for (let at = 0; at < pixels.length; at += piece) socket.send(pixels.subarray(at, at + piece));
       }),
   };

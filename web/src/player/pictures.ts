@@ -1,7 +1,7 @@
 /** Draws pictures of the content for `ugoki export --png` and videos. The program that serves this page receives them. */
 import { Access } from '../core/access';
 import type { Scene } from './engine';
-import { open_planar_converter, PlanarPictures } from './planar';
+import { open_planar_converter, read_planar, type PlanarConverter } from './planar';
 import { surfaces_ready } from '../view/body_surface';
 import { textures_ready } from '../view/skin_view';
 import { open_picture_socket, type PictureSocket } from './picture_socket';
@@ -27,7 +27,7 @@ interface Settings {
   theme: 'dark' | 'light';
   assist: boolean;
   png: boolean;
-  /** Form of the pixels that are sent for videos: 'rgba' (rows from the bottom to the top), 'planar' (PlanarPictures) or '' (no video). */
+  /** Form of the pixels that are sent for videos: 'rgba' (rows from the bottom to the top), 'planar' (PlanarConverter) or '' (no video). */
   raw: '' | 'rgba' | 'planar';
   /** Maximum number of pictures that are sent but not yet answered. */
   ahead: number;
@@ -45,8 +45,8 @@ export async function draw_pictures(): Promise<void> {
   try {
     const settings = (await (await access.fetch('api/pictures')).json()) as Settings;
     const { width, height } = settings;
-    let planar: PlanarPictures | null = null;
-    if (settings.raw === 'planar') planar = new PlanarPictures(await open_planar_converter(await (await access.fetch('api/converter')).arrayBuffer(), width, height), width, height);
+    let planar: PlanarConverter | null = null;
+    if (settings.raw === 'planar') planar = await open_planar_converter(await (await access.fetch('api/converter')).arrayBuffer(), width, height);
     await surfaces_ready;
     await draw_all(settings, access, await open_picture_socket(access), planar);
   } catch (error) {
@@ -54,7 +54,7 @@ export async function draw_pictures(): Promise<void> {
   }
 }
 
-async function draw_all(settings: Settings, access: Access, socket: PictureSocket, planar: PlanarPictures | null): Promise<void> {
+async function draw_all(settings: Settings, access: Access, socket: PictureSocket, planar: PlanarConverter | null): Promise<void> {
   const { width, height, scene } = settings;
   const canvas = document.createElement('canvas');
   const view = new SceneView(canvas, scene, { theme: settings.theme, pictures: true, transparent: settings.transparent });
@@ -99,10 +99,9 @@ async function draw_all(settings: Settings, access: Access, socket: PictureSocke
   };
   // A planar picture is read only before the next one is drawn: reading waits until the picture is drawn, and meanwhile the content is computed.
   let drawn = -1;
-  const read_planar = async (): Promise<void> => {
+  const send_drawn = async (): Promise<void> => {
     if (!planar || drawn < 0) return;
-    const bytes = planar.read(gl);
-    await send_all([socket.send(drawn, bytes).then(() => planar.reuse(bytes))]);
+    await send_all([socket.send(drawn, read_planar(gl, planar, width, height))]);
     drawn = -1;
   };
   for (let i = 0; i < settings.count; i++) {
@@ -114,7 +113,7 @@ async function draw_all(settings: Settings, access: Access, socket: PictureSocke
       // the times of all pictures are visited, so that the camera moves in the same steps on all pages
       await go_to(begin + (open_time * k) / settings.blur);
       if (!mine) continue;
-      await read_planar();
+      await send_drawn();
       view.draw(true);
       if (sums || settings.raw === 'rgba') gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
       if (sums) for (let j = 0; j < pixels.length; j++) sums[j]! += pixels[j]!;
@@ -137,7 +136,7 @@ async function draw_all(settings: Settings, access: Access, socket: PictureSocke
     }
     if (sending.length > 0) await send_all(sending);
   }
-  await read_planar();
+  await send_drawn();
   await Promise.all(under_way);
 }
 
