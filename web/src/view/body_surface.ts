@@ -7,9 +7,12 @@ import { BodyField, bind_poses, is_body } from './body_field';
 export interface BodySurface {
   /** Attributes position and normal (bind pose), skinIndex (links) and skinWeight. The draw range is the surface that is shown. */
   geometry: THREE.BufferGeometry;
-  /** Ranges of the index: of the surface that is shown, and of a coarser one, which casts its shadow in a quarter of the time. */
+  /** Ranges of the index: of the surface that is shown, and of coarser ones: from afar, and for its shadow, which takes a quarter of the time. */
   shown: IndexRange;
+  far: IndexRange;
   shadow: IndexRange;
+  /** Deviation of the surface `far` from `shown`, m. */
+  far_error: number;
   /** Inverse of the bind pose of every link. */
   inverses: THREE.Matrix4[];
 }
@@ -23,6 +26,7 @@ const cells_over_height = 100; // 18 mm for a person of 1.8 m: fingers and toes 
 const rough_cells_over_height = 45; // a fifth of the work
 // Where the surface is flat, its triangles are joined. The bounds are in cells: an arm of 50 mm radius deviates by as much between its vertices.
 const shown_error = 0.055; // 1 mm for a person of 1.8 m
+const far_error = 0.11; // 2 mm
 const shadow_error = 0.11; // 2 mm, less than a texel of the shadow map
 const normal_weight = 28; // a normal that is wrong by 1/500 counts as 1 mm, because light shows it
 const bend_weight = 2.8; // a wrong part of 1/50 between two links counts as 1 mm: a bent limb moves by about its radius
@@ -72,7 +76,9 @@ interface Details {
   /** First the triangles that are shown, then those that cast the shadow if these are others. */
   indices: Uint32Array;
   shown: IndexRange;
+  far: IndexRange;
   shadow: IndexRange;
+  far_error: number;
 }
 
 function surface_of(mechanism: MechanismData, details: (field: BodyField) => Details): BodySurface | null {
@@ -81,12 +87,14 @@ function surface_of(mechanism: MechanismData, details: (field: BodyField) => Det
   const made = details(new BodyField(mechanism, bind));
   if (made.shown.count === 0) return null;
   const empty = { start: 0, count: 0 };
-  const surface: BodySurface = { geometry: new THREE.BufferGeometry(), shown: { ...empty }, shadow: { ...empty }, inverses: bind.map((m) => m.clone().invert()) };
+  const inverses = bind.map((m) => m.clone().invert());
+  const surface: BodySurface = { geometry: new THREE.BufferGeometry(), shown: { ...empty }, far: { ...empty }, shadow: { ...empty }, far_error: 0, inverses };
   set_details(surface, made);
   return surface;
 }
 
-function set_details({ geometry, shown, shadow }: BodySurface, made: Details): void {
+function set_details(surface: BodySurface, made: Details): void {
+  const { geometry, shown, far, shadow } = surface;
   geometry.dispose(); // frees the buffers of the former details
   geometry.setAttribute('position', new THREE.BufferAttribute(made.positions, 3));
   geometry.setAttribute('normal', new THREE.BufferAttribute(made.normals, 3));
@@ -95,7 +103,9 @@ function set_details({ geometry, shown, shadow }: BodySurface, made: Details): v
   geometry.setIndex(new THREE.BufferAttribute(made.indices, 1));
   geometry.computeBoundingSphere();
   Object.assign(shown, made.shown);
+  Object.assign(far, made.far);
   Object.assign(shadow, made.shadow);
+  surface.far_error = made.far_error;
   geometry.setDrawRange(shown.start, shown.count);
 }
 
@@ -104,9 +114,11 @@ function* details_of(field: BodyField, rough: boolean): Work<Details> {
   const normals = yield* normals_of(field, positions);
   const skin = yield* weights_of(field, positions);
   const range = { start: 0, count: indices.length };
-  if (rough || indices.length === 0) return { positions, normals, ...skin, indices, shown: range, shadow: range };
+  if (rough || indices.length === 0) return { positions, normals, ...skin, indices, shown: range, far: range, shadow: range, far_error: 0 };
   yield;
-  const shown = join_flat(field, { positions, normals, ...skin, indices }, cell);
+  const shown = join_flat(field, { positions, normals, ...skin, indices }, shown_error, cell);
+  yield;
+  const far = join_flat(field, { positions, normals, ...skin, indices: shown }, far_error, cell);
   yield;
   const [shadow] = MeshoptSimplifier.simplify(shown, positions, 3, 0, shadow_error * cell, ['ErrorAbsolute']);
   const [places, count] = MeshoptSimplifier.compactMesh(shown); // changes `shown` to the places
@@ -117,9 +129,10 @@ function* details_of(field: BodyField, rough: boolean): Work<Details> {
     });
     return out;
   };
-  const all = new Uint32Array(shown.length + shadow.length);
+  const all = new Uint32Array(shown.length + far.length + shadow.length);
   all.set(shown);
-  shadow.forEach((i, k) => (all[shown.length + k] = places[i]!));
+  far.forEach((i, k) => (all[shown.length + k] = places[i]!));
+  shadow.forEach((i, k) => (all[shown.length + far.length + k] = places[i]!));
   return {
     positions: kept(positions, 3),
     normals: kept(normals, 3),
@@ -127,12 +140,14 @@ function* details_of(field: BodyField, rough: boolean): Work<Details> {
     weights: kept(skin.weights, 4),
     indices: all,
     shown: { start: 0, count: shown.length },
-    shadow: { start: shown.length, count: shadow.length },
+    far: { start: shown.length, count: far.length },
+    shadow: { start: shown.length + far.length, count: shadow.length },
+    far_error: far_error * cell,
   };
 }
 
-/** Joins triangles where the surface is flat and where all vertices follow the links alike. @param cell edge of a cell, m */
-function join_flat(field: BodyField, { positions, normals, links, weights, indices }: Omit<Details, 'shown' | 'shadow'>, cell: number): Uint32Array {
+/** Joins triangles where the surface is flat and where all vertices follow the links alike. @param error in cells @param cell edge of a cell, m */
+function join_flat(field: BodyField, { positions, normals, links, weights, indices }: Pick<Details, 'positions' | 'normals' | 'links' | 'weights' | 'indices'>, error: number, cell: number): Uint32Array {
   // distance of the followed links from the root, in links: it changes evenly where a vertex moves from one link to the next
   const depths: number[] = [];
   for (const link of field.links) {
@@ -145,7 +160,7 @@ function join_flat(field: BodyField, { positions, normals, links, weights, indic
     for (let k = 0; k < 4; k++) attributes[4 * i + 3]! += weights[4 * i + k]! * (depths[links[4 * i + k]!] ?? 0);
   }
   const factors = [normal_weight, normal_weight, normal_weight, bend_weight].map((w) => w * cell);
-  return MeshoptSimplifier.simplifyWithAttributes(indices, positions, 3, attributes, 4, factors, null, 0, shown_error * cell, ['ErrorAbsolute'])[0];
+  return MeshoptSimplifier.simplifyWithAttributes(indices, positions, 3, attributes, 4, factors, null, 0, error * cell, ['ErrorAbsolute'])[0];
 }
 
 interface Mesh {

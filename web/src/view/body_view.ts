@@ -1,9 +1,11 @@
 /** Drawing of a body's smooth surface: a mesh that follows the links, and highlights single links. */
 import * as THREE from 'three';
 import type { MechanismData } from '../core/protocol';
-import { make_body_surface, make_rough_surface, max_links, type BodySurface, type Work } from './body_surface';
+import { make_body_surface, make_rough_surface, max_links, type BodySurface, type IndexRange, type Work } from './body_surface';
+import { is_far } from './far_surface';
 import { shadow_material } from './shadow_region';
 
+const place = new THREE.Vector3();
 const surfaces = new WeakMap<MechanismData, BodySurface | null>();
 
 /** The surface of a mechanism, made at the first call; null if the mechanism is no body. All characters of the mechanism share it. */
@@ -23,7 +25,7 @@ export function sample_surface(): BodySurface {
   geometry.setAttribute('skinIndex', new THREE.BufferAttribute(new Uint16Array(12), 4));
   geometry.setIndex([0, 1, 2]);
   const range = { start: 0, count: 3 };
-  return { geometry, shown: range, shadow: range, inverses: [new THREE.Matrix4()] };
+  return { geometry, shown: range, far: range, shadow: range, far_error: 0, inverses: [new THREE.Matrix4()] };
 }
 
 /** Makes the surfaces of bodies: first rough ones, which become the same as those of body_surface() while pictures are drawn. */
@@ -56,6 +58,15 @@ export class GradualSurfaces {
   }
 }
 
+/** Bones of all characters that are drawn with a surface. */
+const followers = new WeakMap<BodySurface, Set<LinkBones>>();
+
+function followers_of(surface: BodySurface): Set<LinkBones> {
+  let all = followers.get(surface);
+  if (!all) followers.set(surface, (all = new Set()));
+  return all;
+}
+
 /** Link meshes that only receive rays and determine the place of shadows, because a surface is drawn instead of them. */
 export const hidden_layer = 1;
 
@@ -74,6 +85,11 @@ export class LinkBones {
 
   set(link: number, pose: THREE.Matrix4): void {
     this.skeleton.bones[link]?.matrixWorld.copy(pose);
+  }
+
+  /** Distance of the first link from a point, m. */
+  distance(point: THREE.Vector3): number {
+    return place.setFromMatrixPosition(this.skeleton.bones[0]!.matrixWorld).distanceTo(point);
   }
 
   /** A mesh of the surface that follows these bones. */
@@ -98,7 +114,7 @@ export class BodySkin {
   private readonly tints = { value: Array.from({ length: max_links }, () => new THREE.Color()) };
   private readonly glow = { value: Array.from({ length: max_links }, () => new THREE.Vector2()) };
 
-  constructor(surface: BodySurface, color: THREE.ColorRepresentation) {
+  constructor(private readonly surface: BodySurface, color: THREE.ColorRepresentation) {
     this.material = new THREE.MeshStandardMaterial({ color, roughness: 0.6, metalness: 0 });
     this.material.onBeforeCompile = (shader) => {
       shader.uniforms.u_glow = this.glow;
@@ -115,9 +131,17 @@ export class BodySkin {
     this.mesh = this.bones.mesh(surface, this.material);
     this.mesh.castShadow = this.mesh.receiveShadow = true;
     this.mesh.customDepthMaterial = shadow_material;
-    const { geometry, shown, shadow } = surface;
-    this.mesh.onBeforeShadow = () => geometry.setDrawRange(shadow.start, shadow.count);
-    this.mesh.onAfterShadow = () => geometry.setDrawRange(shown.start, shown.count);
+    const { geometry, shown, far, shadow } = surface;
+    const show = ({ start, count }: IndexRange): void => geometry.setDrawRange(start, count);
+    const all = followers_of(surface).add(this.bones);
+    const eye = new THREE.Vector3();
+    this.mesh.onBeforeShadow = () => show(shadow);
+    this.mesh.onBeforeRender = (renderer, _scene, camera) => {
+      eye.setFromMatrixPosition(camera.matrixWorld);
+      const nearest = Math.min(...[...all].map((bones) => bones.distance(eye)));
+      show(is_far(renderer, camera, surface.far_error, nearest) ? far : shown);
+    };
+    this.mesh.onAfterShadow = this.mesh.onAfterRender = () => show(shown); // others draw the same geometry
   }
 
   /** Colours of all links; null: all have the colour of the material. Colours change over a short distance around a joint. */
@@ -132,6 +156,7 @@ export class BodySkin {
   }
 
   dispose(): void {
+    followers_of(this.surface).delete(this.bones);
     this.material.dispose();
     this.bones.skeleton.dispose();
   }

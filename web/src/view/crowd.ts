@@ -5,10 +5,12 @@
 import * as THREE from 'three';
 import type { Material } from '../core/look';
 import type { MechanismData } from '../core/protocol';
+import type { IndexRange } from './body_surface';
 import { body_surface } from './body_view';
 import { CrowdMember } from './crowd_member';
 import { crowd_depth, crowd_material, texel_row } from './crowd_shader';
 import { body_and_machine, rigid_surface, with_shape_colors, type CrowdSurface } from './crowd_surface';
+import { is_far } from './far_surface';
 
 const first_capacity = 8;
 const max_painted = 16; // surfaces of a mechanism with different colours of its shapes
@@ -44,10 +46,16 @@ class Batch {
     this.mesh.frustumCulled = false; // the instances are anywhere
     this.mesh.castShadow = this.mesh.receiveShadow = true;
     this.mesh.raycast = () => undefined; // rays hit the shapes of the links
-    const { shown, shadow } = surface;
-    geometry.setDrawRange(shown.start, shown.count);
-    this.mesh.onBeforeShadow = () => geometry.setDrawRange(shadow.start, shadow.count);
-    this.mesh.onAfterShadow = () => geometry.setDrawRange(shown.start, shown.count);
+    const { shown, far, shadow } = surface;
+    const show = ({ start, count }: IndexRange): void => geometry.setDrawRange(start, count);
+    const eye = new THREE.Vector3();
+    show(shown);
+    this.mesh.onBeforeShadow = () => show(shadow);
+    this.mesh.onBeforeRender = (renderer, _scene, camera) => {
+      eye.setFromMatrixPosition(camera.matrixWorld);
+      const nearest = Math.min(...this.members.map((member) => member.distance(eye)));
+      show(is_far(renderer, camera, surface.far_error, nearest) ? far : shown);
+    };
   }
 
   /** Copies what changed since the last call to the textures and attributes. @param environment what metal reflects; null: nothing */

@@ -196,6 +196,11 @@ export class CrowdMember {
     return true;
   }
 
+  /** Distance of the first link from a point, m. */
+  distance(point: THREE.Vector3): number {
+    return position.fromArray(this.poses).distanceTo(point);
+  }
+
   /** Meshes of the links as drawn now, with world matrices; null for links without shapes. They are made when they are needed first. */
   get links(): (THREE.Mesh | null)[] {
     return this.targets().meshes;

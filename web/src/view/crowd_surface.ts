@@ -12,19 +12,22 @@ export interface CrowdSurface {
   links: number;
   /** Inverse of the rest pose of every link; null: the surface of each link is in its own frame. */
   inverses: { position: THREE.Vector3; rotation: THREE.Quaternion }[] | null;
-  /** Ranges of the index that are drawn, and that cast shadows. */
+  /** Ranges of the index that are drawn, that are drawn from afar, and that cast shadows. */
   shown: IndexRange;
+  far: IndexRange;
   shadow: IndexRange;
+  /** Deviation of `far` from `shown`, m. */
+  far_error: number;
 }
 
 /** The smooth surface of a body. */
-function skinned_surface({ geometry, shown, shadow, inverses }: BodySurface): CrowdSurface {
+function skinned_surface({ geometry, shown, far, shadow, far_error, inverses }: BodySurface): CrowdSurface {
   const parts = inverses.map((matrix) => {
     const [position, rotation] = [new THREE.Vector3(), new THREE.Quaternion()];
     matrix.decompose(position, rotation, new THREE.Vector3());
     return { position, rotation };
   });
-  return { geometry, links: inverses.length, inverses: parts, shown, shadow };
+  return { geometry, links: inverses.length, inverses: parts, shown, far, shadow, far_error };
 }
 
 /** The smooth surface of a body, and beside it the shapes of the links that are no parts of the body. @param geometries as in rigid_surface() */
@@ -45,9 +48,11 @@ export function body_and_machine(body: BodySurface, mechanism: MechanismData, ge
   const shapes = [...geometry.index!.array];
   const smooth_index = ({ start, count }: IndexRange): number[] => [...body.geometry.index!.array.slice(start, start + count)];
   const shown = [...smooth_index(body.shown), ...shapes];
+  const far = [...smooth_index(body.far), ...shapes];
   const shadow = [...smooth_index(body.shadow), ...shapes];
-  geometry.setIndex(shown.concat(shadow));
-  return { ...skinned, geometry, shown: { start: 0, count: shown.length }, shadow: { start: shown.length, count: shadow.length } };
+  geometry.setIndex([...shown, ...far, ...shadow]);
+  const range = (start: number, list: number[]): IndexRange => ({ start, count: list.length });
+  return { ...skinned, geometry, shown: range(0, shown), far: range(shown.length, far), shadow: range(shown.length + far.length, shadow) };
 }
 
 /** The shapes of each link as a geometry whose vertices follow the link; null entries are left out. */
@@ -85,5 +90,5 @@ export function rigid_surface(mechanism: MechanismData, geometries: readonly (TH
   const parts = link_parts(geometries);
   const geometry = parts.length > 0 ? mergeGeometries(parts) : new THREE.BufferGeometry().setAttribute('position', new THREE.BufferAttribute(new Float32Array(0), 3)).setIndex([]);
   const all = { start: 0, count: geometry.index?.count ?? 0 };
-  return { geometry, links: mechanism.links.length, inverses: null, shown: all, shadow: all };
+  return { geometry, links: mechanism.links.length, inverses: null, shown: all, far: all, shadow: all, far_error: 0 };
 }
