@@ -66,6 +66,12 @@ Result<Content> load_coordinates(const Options& o, const std::string& text) {
   return out;
 }
 
+/// True if files with this extension contain mechanisms, not motions.
+bool is_mechanism_file(std::string_view extension) {
+  static constexpr std::string_view all[] = {".json", ".urdf", ".xml", ".mjcf"};
+  return std::ranges::find(all, extension) != std::end(all);
+}
+
 Result<Content> load(const Options& o) {
   const Result<TargetKind> kind = kind_of(o.input);
   if (!kind) return fail(kind.error());
@@ -103,7 +109,7 @@ Result<Content> load(const Options& o) {
     }
   }
   SourceOptions source = o.source;
-  source.intake.motion_of_parts = to != ".json" && to != ".urdf" && to != ".xml" && to != ".mjcf";
+  source.intake.motion_of_parts = !is_mechanism_file(to);
   Result<intake::Intake> loaded = take_in_file(o.input, source);
   if (!loaded) return fail(std::move(loaded.error()));
   out.mechanism = loaded->mechanism;
@@ -217,9 +223,8 @@ Result<void> check_written(const Options& o, const Written& written) {
 
 int run_convert(const Options& o) {
   static constexpr const char* motions[] = {".bvh", ".amc", ".glb", ".csv", ".c3d", ".trc"};
-  static constexpr const char* mechanisms[] = {".json", ".urdf", ".xml", ".mjcf"};
   const std::string to = ending_of(o.output);
-  const bool mechanism = std::ranges::find(mechanisms, to) != std::end(mechanisms);
+  const bool mechanism = is_mechanism_file(to);
   if (!mechanism && std::ranges::find(motions, to) == std::end(motions))
     return print_error(Error(ErrorCode::unsupported, o.output, "Files with this extension cannot be written.",
                              "Motions: .bvh, .amc (with .asf), .glb, .csv, .c3d, .trc. Mechanisms: .json, .urdf, .xml (MJCF)."),

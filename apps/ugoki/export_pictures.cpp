@@ -121,7 +121,10 @@ class Receiver final : public studio::ServerEvents {
         run_.request(client, static_cast<std::uint64_t>(*step));
     } else if (const std::size_t space = text.find(' '); space != std::string::npos) {
       const std::optional<long> number = parse_long(text.substr(0, space)), size = parse_long(text.substr(space + 1));
-      if (number && size && *size > 0) {
+      const std::size_t largest = raw_size_ + raw_size_ / 100'000 + 16;  // of ugoki_pack()
+      if (!number || !size || *size <= 0 || static_cast<std::size_t>(*size) > largest) {
+        set_failure("The page has sent a picture of another size.");
+      } else {
         const std::lock_guard lock(mutex_);
         arriving_[client] = {static_cast<int>(*number), static_cast<std::size_t>(*size), {}};
       }

@@ -1,4 +1,4 @@
-// Tests: pictures are converted to the planar form of video coders as ITU-R BT.709 specifies.
+// Tests: pictures are converted to the planar form of video coders as ITU-R BT.709 specifies, and come back from their packed form.
 #include <gtest/gtest.h>
 
 #include <array>

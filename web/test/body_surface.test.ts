@@ -59,6 +59,17 @@ describe('the surface of a body', () => {
     });
     const exact = 8 * (4 / 3) * Math.PI * radius ** 3;
     expect(surface.far.count).toBeLessThan(0.95 * surface.shown.count);
+    const deepest = (range: IndexRange): number => {
+      const p = points(surface);
+      const index = indices(surface, range);
+      const depths = Array.from({ length: index.length / 3 }, (_, t) => {
+        const middle = p[index[3 * t]!]!.clone().add(p[index[3 * t + 1]!]!).add(p[index[3 * t + 2]!]!).divideScalar(3);
+        return radius - Math.min(...centres.map((c) => c.distanceTo(middle)));
+      });
+      return Math.max(...depths);
+    };
+    expect(deepest(surface.far)).toBeGreaterThan(deepest(surface.shown));
+    expect(deepest(surface.far)).toBeLessThan(deepest(surface.shown) + surface.far_error);
     expect(Math.abs(volume(surface, surface.far) / exact - 1)).toBeLessThan(0.17);
     expect(Math.abs(volume(surface, surface.shadow) / exact - 1)).toBeLessThan(0.24);
     expect(Math.abs(volume(surface, surface.shown) / exact - 1)).toBeLessThan(0.1); // facets of 1/100 of the body's length lie inside the spheres
