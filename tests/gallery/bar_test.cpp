@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "play.h"
@@ -71,7 +72,7 @@ TEST(Bar, HangsSwingsLetsGoLandsAndStands) {
   Books books(player);
   const double start = books.energy();
   double gap = 0, before = 0;
-  for (const double until : {4.0, 7.0, 10.0}) {
+  for (const double until : {4.0, 7.0, 9.6}) {
     double widest = 0;
     while (player.time() < until - 1e-9) {
       books.step();
@@ -107,9 +108,42 @@ TEST(Bar, HangsSwingsLetsGoLandsAndStands) {
   EXPECT_EQ(player.state_hash(), hash);
 }
 
+/// The content with another moment of the release [s], in steps of 2 ms.
+content::Player released_at(const std::string& moment) {
+  std::string text = content_text("bar");
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size(), ++count) text.replace(at, from.size(), to);
+    return count;
+  };
+  EXPECT_EQ(replace("\"time\": 10.0", "\"time\": " + moment), 2u);
+  EXPECT_EQ(replace("\"start\": 10.0", "\"start\": " + moment), 1u);
+  EXPECT_EQ(replace("\"length\": 10.0", "\"length\": " + moment), 1u);
+  EXPECT_EQ(replace("\"step\": 0.001", "\"step\": 0.002"), 1u);
+  return open_text(text, "bar");
+}
+
+// The gymnast prepares the release: she lands on her feet from all phases of the swing.
+TEST(Bar, LandsAfterAReleaseInTheMiddleOfASwing) {
+  for (const char* moment : {"8.95", "9.6", "9.8", "10.8"}) {  // behind, ahead, ahead at the lowest point, back at the lowest point
+    content::Player player = released_at(moment);
+    const double time = std::stod(moment);
+    while (player.time() < time + 2.5) {
+      ASSERT_TRUE(player.step());
+      if (player.time() < time - 0.003) {
+        ASSERT_EQ(grips_of(player).size(), 2u);
+      }
+      ASSERT_LT(output(player, "gymnast/control.recovery")[0], 2) << "released at " << moment << ", falls at " << player.time() << " s";
+    }
+    EXPECT_TRUE(grips_of(player).empty());
+    EXPECT_GT(player.q(0)[2], 0.75) << "m: height of the hips; released at " << moment;
+    EXPECT_EQ(output(player, "gymnast/control.report")[7], 0) << "root assist";
+  }
+}
+
 // A person who stands without root assist holds a box with both hands. The controller knows the mass that the hands carry.
 TEST(Bar, APersonHoldsABox) {
-  const auto made = make_content(R"({"scenario": {"version": 1, "name": "box", "duration": 4, "characters": [
+  content::Player player = open_text(R"({"scenario": {"version": 1, "name": "box", "duration": 4, "characters": [
     {"id": "a", "name": "A", "mechanism": "person", "control": {"mode": "track", "assist_limit": 0}, "track": [
       {"id": "k1", "motion": "stand", "start": 0, "length": 4, "loop": true, "layers": [{"id": "l1", "name": "arms", "mode": "replace",
        "ease_in": null, "ease_out": null, "joints": [{"link": "LeftForeArm", "keys": [{"time": 0, "value": [1.4]}]},
@@ -124,24 +158,19 @@ TEST(Bar, APersonHoldsABox) {
      "joint": {"type": "floating"}, "inertia": {"mass": 12, "centre": [0, 0, 0], "about_centre": [0.3, 0.3, 0.3, 0, 0, 0]},
      "shapes": [{"type": "box", "half_extents": [0.12, 0.12, 0.1], "collides": false}]}]}},
     "motions": {"stand": {"operation": "retarget", "motion": "human-stand", "of": "human", "for": "person"}}})",
-                                 "box");
-  ASSERT_TRUE(made) << made.error().text();
-  const auto bytes = content::generate(made->scenario, made->resources);
-  ASSERT_TRUE(bytes) << bytes.error().text();
-  auto player = content::Player::open(*bytes, "box");
-  ASSERT_TRUE(player) << player.error().text();
-  while (player->time() < 1) ASSERT_TRUE(player->step());
-  const double height = player->q(1)[2];
-  while (player->time() < 4) {
-    ASSERT_TRUE(player->step());
-    ASSERT_NEAR(player->q(1)[2], height, 0.02) << "m: the box does not sink";
+                                     "box");
+  while (player.time() < 1) ASSERT_TRUE(player.step());
+  const double height = player.q(1)[2];
+  while (player.time() < 4) {
+    ASSERT_TRUE(player.step());
+    ASSERT_NEAR(player.q(1)[2], height, 0.02) << "m: the box does not sink";
   }
-  ASSERT_EQ(grips_of(*player).size(), 2u);
+  ASSERT_EQ(grips_of(player).size(), 2u);
   double force = 0;
-  for (const lsi::EventRecord& e : grips_of(*player)) force -= e.a.z;
+  for (const lsi::EventRecord& e : grips_of(player)) force -= e.a.z;
   EXPECT_NEAR(force, 12 * 9.81, 1) << "N";
-  EXPECT_GT(player->q(0)[2], 0.8) << "m: height of the hips";
-  EXPECT_LT(output(*player, "a/control.recovery")[0], 1);
+  EXPECT_GT(player.q(0)[2], 0.8) << "m: height of the hips";
+  EXPECT_LT(output(player, "a/control.recovery")[0], 1);
 }
 
 }  // namespace

@@ -13,10 +13,15 @@
 
 namespace ugoki::studio {
 
-inline content::Player open_content(const std::string& name) {
+/// The text of a content of examples/content.
+inline std::string content_text(const std::string& name) {
   const Result<std::string> text = files::read_file(std::string(UGOKI_SOURCE_DIR) + "/examples/content/" + name + ".json");
   EXPECT_TRUE(text);
-  const Result<content::ContentText> made = make_content(*text, name);
+  return *text;
+}
+
+inline content::Player open_text(const std::string& text, const std::string& name) {
+  const Result<content::ContentText> made = make_content(text, name);
   EXPECT_TRUE(made) << (made ? "" : made.error().text());
   const auto bytes = content::generate(made->scenario, made->resources);
   EXPECT_TRUE(bytes) << (bytes ? "" : bytes.error().text());
@@ -24,6 +29,8 @@ inline content::Player open_content(const std::string& name) {
   EXPECT_TRUE(player) << (player ? "" : player.error().text());
   return std::move(*player);
 }
+
+inline content::Player open_content(const std::string& name) { return open_text(content_text(name), name); }
 
 /// The numbers of an output pin, for example "dynamics.applied"; fails, and returns values that are no numbers, if there is no such pin.
 inline const double* output(content::Player& player, const char* pin) {

@@ -48,7 +48,7 @@ def bar():
     hang = {"id": "l1", "name": "Hanging", "mode": "replace", "ease_in": None, "ease_out": None, "joints": [
         {"link": "LeftArm", "keys": [{"time": 0, "value": [1.45, 0, 0]}]}, {"link": "RightArm", "keys": [{"time": 0, "value": [-1.45, 0, 0]}]},
         {"link": "Hips", "part": "position", "keys": [{"time": 0, "value": [0, 0, 1.4167]}]}]}
-    end = 10.4
+    end = 10.0
     grip = lambda n, side, sign: {"id": f"g{n}", "type": "grab", "time": 0, "character": "gymnast", "link": f"hand {side}", "point": [0, 0.07 * sign, 0],
                                   "other": "bar", "other_link": "bar", "at": [-0.0079, 0.2669 * sign, height], "rigid": False, "limit": 1500, "reach": 0.1}
     release = lambda n, side: {"id": f"r{n}", "type": "release", "time": end, "character": "gymnast", "link": f"hand {side}"}
@@ -57,7 +57,7 @@ def bar():
         "characters": [
             {"id": "gymnast", "name": "Gymnast", "mechanism": "gymnast", "color": "#b5483a", "place": {"x": 0, "y": 0, "z": 0},
              "control": {"mode": "track", "tracking": 1, "balance": 1, "assist_limit": 0, "swing": 45},
-             "track": [walk(1, "hang", end, layers=[hang]), {"id": "k2", "motion": "stand", "start": end, "length": 3.6, "blend": 0.3, "loop": True}]},
+             "track": [walk(1, "hang", end, layers=[hang]), {"id": "k2", "motion": "stand", "start": end, "length": 4, "blend": 0.3, "loop": True}]},
             {"id": "bar", "name": "Bar", "mechanism": "bar", "control": {"mode": "passive"}, "color": "#8b93a1"}],
         "events": [grip(1, "left", 1), grip(2, "right", -1), release(1, "left"), release(2, "right")],
         "camera": {"follow": "", "distance": 5, "azimuth": 0.6, "elevation": 0.1}},

@@ -65,7 +65,7 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
   out.hang = static_cast<HangMode>(state.hang);
 
   // 6. Quadratic program
-  program_.solve(model_, support_, in, acceleration, state, tau, out);
+  program_.solve(model_, support_, in, acceleration, hang_.release(), state, tau, out);
   state.time += state.rate * in.dt;
   state.clock += in.dt;
   return out;

@@ -167,7 +167,7 @@ void BalanceProgram::find_torques(BalanceModel& model, const BalanceInput& in, s
 }
 
 void BalanceProgram::solve(BalanceModel& model, const GroundSupport& support, const BalanceInput& in, const Vec3& acceleration,
-                           BalanceState& state, std::span<double> tau, BalanceOutput& out) {
+                           const ReleasePlan& release, BalanceState& state, std::span<double> tau, BalanceOutput& out) {
   const Mechanism& m = *model.mechanism;
   collect_loads(model, support, in);
   program_.begin(m.nv(), static_cast<int>(loads_.size()), model.options.load_cost);
@@ -175,6 +175,7 @@ void BalanceProgram::solve(BalanceModel& model, const GroundSupport& support, co
   tasks_.add_posture(model, legs_, in, state, program_);
   const auto hang = static_cast<HangMode>(state.hang);
   if (hang != HangMode::hangs && hang != HangMode::drops) tasks_.add_momentum(model, acceleration, program_);
+  if (release.rest > 0) tasks_.add_release(model, release, program_);
   tasks_.add_links(model, support, in, state, program_);
   dynamics::calc_inverse_dynamics(m, model.now, {}, model.options.gravity, {}, bias_);
   dynamics::calc_inertia_rows(m, model.now);

@@ -16,9 +16,10 @@ class BalanceProgram {
  public:
   explicit BalanceProgram(const BalanceModel& model);
   /// Solves the program of one tick. @param acceleration m/s^2, world: wanted acceleration of the centre of mass
-  /// @param tau [nv, out] N | N m, zero for the root @param out receives iterations, residual, limits, solved
-  void solve(BalanceModel& model, const GroundSupport& support, const BalanceInput& input, const Vec3& acceleration, BalanceState& state,
-             std::span<double> tau, BalanceOutput& out);
+  /// @param release release that a hanging body prepares @param tau [nv, out] N | N m, zero for the root @param out receives iterations,
+  /// residual, limits, solved
+  void solve(BalanceModel& model, const GroundSupport& support, const BalanceInput& input, const Vec3& acceleration,
+             const ReleasePlan& release, BalanceState& state, std::span<double> tau, BalanceOutput& out);
   /// [nv] accelerations of the last solution.
   [[nodiscard]] std::span<const double> accelerations() const { return accelerations_; }
 

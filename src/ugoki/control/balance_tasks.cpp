@@ -175,6 +175,7 @@ void BalanceTasks::add_posture(const BalanceModel& model, const LegPosture& legs
                                QuadraticProgram& program) {
   difference(*model.mechanism, in.q, legs.positions(), error_);
   const std::span<double> weights = program.weights(), centre = program.centre();
+  const bool prepares = HangPlan::prepares(model, in, state);
   const double kp = model.options.joint_frequency * model.options.joint_frequency, kd = 2 * model.options.joint_frequency;
   for (std::size_t i = 0; i < error_.size(); ++i) {
     if (i < 6 && static_cast<HangMode>(state.hang) == HangMode::hangs) {  // the body swings freely
@@ -183,6 +184,7 @@ void BalanceTasks::add_posture(const BalanceModel& model, const LegPosture& legs
       continue;
     }
     weights[i] = i < 6 ? 1e-3 : model.is_leg[i] ? model.options.leg_weight : model.options.joint_weight;
+    if (prepares) weights[i] *= model.options.prepare_posture;
     const double slip = model.v_ref[i] - in.v[i];
     centre[i] = model.a_ref[i] + (kp * (error_[i] + in.dt * slip) + kd * slip) / (1 + in.dt * kd + in.dt * in.dt * kp);
   }
@@ -209,6 +211,21 @@ void BalanceTasks::add_momentum(BalanceModel& model, const Vec3& acceleration, Q
         model.want_rate.w[k] - model.options.momentum_gain * (model.centroid.momentum.w[k] - model.want.momentum.w[k]) - rate_bias.w[k];
     const std::span<double> row = program.add_equation(target / inertia, 1 / model.options.momentum_weight);
     for (std::size_t i = 0; i < n; ++i) row[i] = A_G_[i].w[k] / inertia;
+  }
+}
+
+void BalanceTasks::add_release(BalanceModel& model, const ReleasePlan& release, QuadraticProgram& program) {
+  dynamics::calc_centroidal_matrix(*model.mechanism, model.now, A_G_);
+  const Vec6 rate_bias = dynamics::calc_centroidal_momentum_rate(*model.mechanism, model.now, {});
+  constexpr double shortest = 0.04;                     // s: the momentum changes at most as fast as in this time before the release
+  Vec3 needed = model.centroid.inertia * release.turn;  // N m s^2: angular momentum times the duration of the flight
+  for (std::size_t i = 6; i < error_.size(); ++i) needed += A_G_[i].w * error_[i];
+  const double inertia = (model.centroid.inertia.xx + model.centroid.inertia.yy + model.centroid.inertia.zz) / 3;
+  for (int k = 0; k < 3; ++k) {
+    const double change = needed[k] / release.flight - model.centroid.momentum.w[k];
+    const double target = change / std::max(shortest, release.rest) - rate_bias.w[k];
+    const std::span<double> row = program.add_equation(target / inertia, 1 / model.options.prepare_weight);
+    for (std::size_t i = 0; i < error_.size(); ++i) row[i] = A_G_[i].w[k] / inertia;
   }
 }
 

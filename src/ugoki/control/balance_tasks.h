@@ -6,6 +6,7 @@
 
 #include "ugoki/control/balance_model.h"
 #include "ugoki/control/ground_support.h"
+#include "ugoki/control/hang_plan.h"
 #include "ugoki/control/leg_posture.h"
 #include "ugoki/control/quadratic_program.h"
 
@@ -23,6 +24,8 @@ class BalanceTasks {
                    QuadraticProgram& program);
   /// Acceleration of the centre of mass and rate of the angular momentum. @param acceleration m/s^2, world: wanted, of the centre of mass
   void add_momentum(BalanceModel& model, const Vec3& acceleration, QuadraticProgram& program);
+  /// Before a release: the angular momentum with which the body comes to its landing posture. Call after add_posture().
+  void add_release(BalanceModel& model, const ReleasePlan& release, QuadraticProgram& program);
   /// Orientation of the trunk, constraints of standing feet and of grips, motion of swing feet.
   void add_links(const BalanceModel& model, const GroundSupport& support, const BalanceInput& input, const BalanceState& state,
                  QuadraticProgram& program);

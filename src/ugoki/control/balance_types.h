@@ -2,6 +2,7 @@
 // Parameters, state, input and output of balance control (balance_control.h).
 
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "ugoki/collision/contact_point.h"
@@ -78,9 +79,12 @@ struct BalanceOptions {
   double limit_time = 0.02;                ///< s: a joint keeps its limits for this time ahead, at constant acceleration
   int limit_rounds = 2;  ///< maximum number of further solutions; each adds the limits that the previous solution exceeds as constraints
   double swing = 0;      ///< rad: amplitude to which a hanging character swings by itself; 0: it only follows its reference
-  double swing_range = 0.2;     ///< rad: the character swings with full effort if its amplitude is lower than `swing` by this
-  double swing_flex = 1.2;      ///< rad: how far ahead of the reference the legs swing
-  double swing_arch = 0.4;      ///< rad: how far behind the reference the legs swing
+  double swing_range = 0.2;      ///< rad: the character swings with full effort if its amplitude is lower than `swing` by this
+  double swing_flex = 1.2;       ///< rad: how far ahead of the reference the legs swing
+  double swing_arch = 0.4;       ///< rad: how far behind the reference the legs swing
+  double prepare_time = 0.35;    ///< s: a hanging character prepares its release for this time
+  double prepare_weight = 10;    ///< weight of the angular momentum, divided by the mean moment of inertia, before a release
+  double prepare_posture = 0.3;  ///< factor on the weights of the joints before a release
   double landing_reach = 0.45;  ///< share of the leg's length: maximum horizontal distance of the feet from the centre of mass at a landing
   double landing_leg = 0.93;    ///< share of the height of the centre of mass in the reference with which the feet meet the ground
   double landing_brake = 1.5;   ///< factor of gravity: maximum deceleration of the centre of mass after a landing
@@ -146,6 +150,7 @@ struct BalanceInput {
   double dt = 0.002;                                  ///< s
   std::span<const HeldPoint> held = {};               ///< grips of this character, and grips of others that hold it; at most max_held
   static constexpr std::size_t max_held = 8;
+  double release_in = std::numeric_limits<double>::infinity();  ///< s: time until the last fixed grip is released; infinite: unknown
 };
 
 /// Output of one tick.

@@ -39,30 +39,34 @@ Vec3 reference_feet(const BalanceModel& model) {
 struct Landing {
   Vec3 ahead;         // m, horizontal
   double height = 0;  // m: of the centre of mass above the feet
+  double flight = 0;  // s: time until then
 };
-/// @param ground m: height of the ground
-Landing plan_landing(const BalanceModel& model, double ground) {
+/// @param ground m: height of the ground @param centre, velocity m, m/s, world: of the centre of mass at the begin of the flight
+Landing plan_landing(const BalanceModel& model, double ground, const Vec3& centre, const Vec3& velocity) {
   const BalanceOptions& o = model.options;
   const double height = std::max(0.05, model.want.centre.z - reference_feet(model).z);
-  const double w0 = std::sqrt(norm(o.gravity) / height);
+  const double g = norm(o.gravity), w0 = std::sqrt(g / height);
   // The vertical impulse of the landing m u, with u the speed at the touch-down, and then the weight act at the feet. At the distance x
   // ahead they brake the speed v of the centre of mass, and take away the angular momentum H:  x (w0 + u / height) = v + H / (m height)
-  const double v = model.centroid.velocity.z, g = norm(o.gravity);
-  const double fall = std::max(0.0, model.centroid.centre.z - ground - o.landing_leg * height);
-  const double u = std::sqrt(v * v + 2 * g * fall);
+  const double fall = std::max(0.0, centre.z - ground - o.landing_leg * height);
+  const double u = std::sqrt(velocity.z * velocity.z + 2 * g * fall);
   const Vec3 spin = model.centroid.momentum.w;
-  Vec3 ahead =
-      (horizontal(model.centroid.velocity) + Vec3{spin.y, -spin.x, 0} * (o.landing_spin / (model.mass() * height))) / (w0 + u / height);
+  Vec3 ahead = (horizontal(velocity) + Vec3{spin.y, -spin.x, 0} * (o.landing_spin / (model.mass() * height))) / (w0 + u / height);
   const double reach = o.landing_reach * height;
   if (norm(ahead) > reach) ahead = ahead * (reach / norm(ahead));
   const double leg = o.landing_leg * height;
-  return {ahead, std::sqrt(std::max(0.25 * leg * leg, leg * leg - dot(ahead, ahead)))};
+  return {ahead, std::sqrt(std::max(0.25 * leg * leg, leg * leg - dot(ahead, ahead))), (velocity.z + u) / g};
+}
+
+/// The same from the present state.
+Landing plan_landing(const BalanceModel& model, const BalanceState& state) {
+  return plan_landing(model, model.floor + state.z, model.centroid.centre, model.centroid.velocity);
 }
 
 }  // namespace
 
 LandingGoal landing_goal(const BalanceModel& model, const BalanceState& state, std::size_t f) {
-  const Landing landing = plan_landing(model, model.floor + state.z);
+  const Landing landing = plan_landing(model, state);
   const Vec3 beside = horizontal(model.reference_sole(f) - reference_feet(model));
   return {model.centroid.centre + landing.ahead + beside - Vec3{0, 0, landing.height}, model.centroid.velocity, model.options.gravity};
 }
@@ -90,7 +94,7 @@ HangPlan::HangPlan(const BalanceModel& model) : step_(model.v_ref.size()), no_ve
 
 void HangPlan::update_effort(const BalanceModel& model, const BalanceInput& in, BalanceState& state) {
   double wanted = 0;
-  if (model.options.swing > 0) {
+  if (model.options.swing > 0 && !prepares(model, in, state)) {
     const Swing swing = swing_of(model, in);
     const double min_rate = min_swing * swing.frequency;
     // The legs move in phase with the speed of the swing. The wanted effort leads by the lag of the legs.
@@ -171,14 +175,35 @@ void HangPlan::place_reference(const BalanceModel& model, BalanceState& state) c
     state.heading = next.heading;
   }
   // The feet of the reference are where the body would land.
-  const Vec3 feet = model.centroid.centre + plan_landing(model, model.floor + state.z).ahead, now = reference_feet(model);
+  const Vec3 feet = model.centroid.centre + plan_landing(model, state).ahead, now = reference_feet(model);
   state.x += feet.x - now.x;
   state.y += feet.y - now.y;
+}
+
+void HangPlan::plan_release(const BalanceModel& model, const BalanceInput& in, const BalanceState& state) {
+  const double t = in.release_in, g = norm(model.options.gravity);
+  // Until the release, the centre of mass swings as a point mass on the length L.
+  const Swing swing = swing_of(model, in);
+  const double w = swing.frequency, length = g / (w * w);
+  const double angle = swing.angle * cos(w * t) + swing.rate / w * sin(w * t),
+               rate = swing.rate * cos(w * t) - swing.angle * w * sin(w * t);
+  const Vec3 left = model.left(), up{0, 0, 1}, ahead = cross(left, up);
+  const Vec3 velocity = (ahead * cos(angle) + up * sin(angle)) * (length * rate);
+  const Vec3 centre =
+      model.centroid.centre + ahead * (length * (sin(angle) - sin(swing.angle))) + up * (length * (cos(swing.angle) - cos(angle)));
+  const Landing landing = plan_landing(model, model.floor + state.z, centre, velocity);
+  const double height = std::max(0.05, model.want.centre.z - reference_feet(model).z);
+  release_.rest = std::max(t, in.dt);
+  release_.flight = std::max(landing.flight, 0.05);
+  // From the present orientation upright, less the turn until the release, and leaning back so that the feet are ahead
+  release_.turn = log_map(to_quat(model.ref.X_WB[0].R * model.now.X_WB[0].R.transposed())) + left * (angle - swing.angle) +
+                  cross(landing.ahead, up) / height;
 }
 
 void HangPlan::edit_reference(BalanceModel& model, const BalanceInput& in, const BalanceState& state) {
   const Mechanism& m = *model.mechanism;
   const HangMode mode = mode_of(state);
+  release_ = {};
   if (mode == HangMode::none) return;
   if (mode != HangMode::hangs) {
     // The track may still hang: its feet are put on the ground.
@@ -189,6 +214,7 @@ void HangPlan::edit_reference(BalanceModel& model, const BalanceInput& in, const
     model.want.centre.z -= rise;
     return;
   }
+  if (prepares(model, in, state)) plan_release(model, in, state);
   std::ranges::copy(in.q.first(7), model.q_ref.begin());
   for (std::size_t i = 0; i < 6; ++i) {
     model.v_ref[i] = in.v[i];

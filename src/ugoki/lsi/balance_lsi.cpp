@@ -1,6 +1,7 @@
 // Balance control: drive torques that make a character follow its track on its own feet, without root assist.
 
 #include <algorithm>
+#include <limits>
 #include <new>
 #include <optional>
 #include <utility>
@@ -198,6 +199,22 @@ void collect_held(Balance& self, std::span<const EventRecord> grips, const doubl
   }
 }
 
+/// s: time until the scenario has released all grips that carry the character; infinite: never, or not known.
+double time_to_release(const Balance& self, double time) {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  double last = 0;
+  for (const control::HeldPoint& h : self.held) {
+    if (!h.fixed) continue;
+    double first = never;
+    for (const ScheduledEvent& e : self.world->events())
+      if (e.record.kind == EventKind::opening && static_cast<int>(e.record.character) == self.character->index && e.record.link == h.link &&
+          e.time > time)
+        first = std::min(first, e.time - time);
+    last = std::max(last, first);
+  }
+  return last > 0 ? last : never;
+}
+
 std::int32_t step(const Call* call) {
   auto& self = object_of<Balance>(call);
   auto& memory = *static_cast<BalanceMemory*>(call->state);
@@ -255,7 +272,8 @@ std::int32_t step(const Call* call) {
   }
   control::BalanceControl& control = control_of(self, memory.returned_now);
   collect_held(self, records<EventRecord>(call->in[2]), state);
-  const control::BalanceOutput out = control.step({q, v, self.contacts, self.character->index, dt, self.held}, memory.next, tau);
+  const control::BalanceOutput out =
+      control.step({q, v, self.contacts, self.character->index, dt, self.held, time_to_release(self, call->tick->time)}, memory.next, tau);
   const bool airborne = out.hang == control::HangMode::hangs || out.hang == control::HangMode::drops;
   if (self.fall && !airborne) {
     recovery[1] = self.fall->check(q, v, control.reference(), out.dcm_error, dt, memory.fall_next);
