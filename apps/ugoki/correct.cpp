@@ -4,12 +4,14 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "motion_files.h"
 #include "output.h"
 #include "output_files.h"
 #include "simulate.h"
 #include "ugoki/base/number.h"
+#include "ugoki/correction/rehearse.h"
 #include "verb.h"
 
 namespace ugoki::cli {
@@ -22,7 +24,8 @@ struct Options {
   std::string input, out;
   SourceOptions source;
   correction::CorrectOptions correct;
-  bool keep_floor = false, json = false;
+  bool keep_floor = false, rehearse = false, json = false;
+  int samples = correction::RehearseOptions{}.samples;
 };
 
 Json to_json(const CorrectionMeasures& m) {
@@ -53,12 +56,55 @@ void print_report(const CorrectionReport& r) {
     print_line("Gravity was wrong in a flight; the duration changed by " + to_fixed(r.duration_change, 3) + " s.");
 }
 
+/// Writes the corrected motion. @param fields the measures, for --json @return nothing after an error, which has been printed
+std::optional<std::string> put_result(const Options& o, const MotionSet& set, const Motion& made, const Json& fields) {
+  const Result<std::string> put = put_motion(*set.mechanism, made, set.height, o.out, o.source);
+  if (!put) {
+    print_error(put.error(), o.json);
+    return std::nullopt;
+  }
+  if (o.json) {
+    Json all = {{"name", made.name}, {"out", o.out}, {"written", *put}, {"frames", made.frames}, {"duration_s", made.duration()}};
+    all.update(fields);
+    all["report"] = set.report;
+    print_json(all);
+  }
+  return *put;
+}
+
+int run_rehearse(const Options& o, const MotionSet& set) {
+  correction::RehearseOptions options;
+  options.gravity = o.correct.gravity;
+  options.friction = o.correct.friction;
+  options.samples = o.samples;
+  Progress progress("correct");
+  options.progress = [&](double done) {
+    progress.show(done);
+    return !interrupted();
+  };
+  correction::RehearseReport report;
+  const Result<Motion> made = correction::rehearse_motion(set.mechanism, set.motions[0], options, &report);
+  progress.clear();
+  if (!made) return print_error(interrupted() ? interrupted_error() : made.error(), o.json);
+  const auto put = put_result(o, set, *made,
+                              {{"assist_bw", report.assist_bw}, {"change_deg", report.change_deg}, {"root_move_cm", report.root_move_cm}});
+  if (!put) return 1;
+  if (o.json) return 0;
+  print_line("The given motion needs a root assist of " + to_fixed(report.assist_bw, 2) + " body weights rms; the result needs none.");
+  print_line("Joints changed by " + to_fixed(report.change_deg, 2) + " degrees rms, root by " + to_fixed(report.root_move_cm, 1) +
+             " cm rms.");
+  for (const std::string& line : set.report) print_line(line);
+  print_line(*put);
+  return 0;
+}
+
 int run_correct(const Options& o) {
   if (Result<void> may = check_outputs(input_files({o.input}, o.source), {{"--out", writes_file(o.out) ? o.out : ""}}); !may)
     return print_error(may.error(), o.json);
   const Result<MotionSet> set = load_motions({o.input}, o.source);
   if (!set) return print_error(set.error(), o.json);
   catch_interrupt();
+  if (o.rehearse) return run_rehearse(o, *set);
   correction::CorrectOptions options = o.correct;
   options.level_floor = !o.keep_floor;
   Progress progress("correct");
@@ -70,26 +116,18 @@ int run_correct(const Options& o) {
   const Result<Motion> made = correction::correct_motion(*set->mechanism, set->motions[0], options, &report);
   progress.clear();
   if (!made) return print_error(interrupted() ? interrupted_error() : made.error(), o.json);
-  const Result<std::string> put = put_motion(*set->mechanism, *made, set->height, o.out, o.source);
-  if (!put) return print_error(put.error(), o.json);
-  if (o.json) {
-    print_json({{"name", made->name},
-                {"out", o.out},
-                {"written", *put},
-                {"frames", made->frames},
-                {"duration_s", made->duration()},
-                {"before", to_json(report.before)},
-                {"after", to_json(report.after)},
-                {"replaced_frames", report.replaced_frames},
-                {"floor_height_m", report.floor_height},
-                {"floor_tilt_deg", report.floor_tilt},
-                {"flights", report.flights},
-                {"duration_change_s", report.duration_change},
-                {"change_deg", report.change_deg},
-                {"root_move_cm", report.root_move_cm},
-                {"report", set->report}});
-    return 0;
-  }
+  const auto put = put_result(o, *set, *made,
+                              {{"before", to_json(report.before)},
+                               {"after", to_json(report.after)},
+                               {"replaced_frames", report.replaced_frames},
+                               {"floor_height_m", report.floor_height},
+                               {"floor_tilt_deg", report.floor_tilt},
+                               {"flights", report.flights},
+                               {"duration_change_s", report.duration_change},
+                               {"change_deg", report.change_deg},
+                               {"root_move_cm", report.root_move_cm}});
+  if (!put) return 1;
+  if (o.json) return 0;
   print_report(report);
   for (const std::string& line : set->report) print_line(line);
   print_line(*put);
@@ -109,6 +147,11 @@ void add_correct_verb(Verb app, Action& action) {
   verb.add_option("--friction", o.friction, "Coulomb coefficient of the ground").check(number_from(0, 10)).capture_default_str();
   verb.add_option("--smoothing", o.smoothing, "Cut-off of the low-pass filter, Hz; 0: no filter")
       .check(number_from(0, 1000))
+      .capture_default_str();
+  verb.add_flag("--rehearse", options->rehearse,
+                "Simulate the motion and search for joint torques that reproduce it: for rolls and other motions on hands and back");
+  verb.add_option("--samples", options->samples, "--rehearse: simulations of each 0.1 s")
+      .check(number_from(25, 1000000))
       .capture_default_str();
   verb.add_flag("--keep-floor", options->keep_floor, "The floor of the motion is z = 0; do not search for it");
   verb.add_flag("--keep-duration", o.keep_duration, "Do not change the duration of flights in which gravity is wrong");

@@ -188,4 +188,24 @@ CorrectionMeasures measure(const Mechanism& m, const Motion& motion, const motio
   return out;
 }
 
+double rms_change(const Mechanism& m, const Motion& a, const Motion& b, double& root_cm) {
+  double turn = 0, way = 0, d[6];
+  int joints = 0;
+  for (int f = 0; f < a.frames; ++f)
+    for (std::size_t i = 0; i < m.links().size(); ++i) {
+      const Link& link = m.links()[i];
+      if (link.joint.nv() == 0) continue;
+      joint_difference(link.joint, a.frame(f) + link.q_index, b.frame(f) + link.q_index, d);
+      if (i == 0) {
+        way += d[3] * d[3] + d[4] * d[4] + d[5] * d[5];
+        continue;
+      }
+      if (link.joint.type == JointType::prismatic) continue;
+      if (f == 0) ++joints;
+      for (int k = 0; k < link.joint.nv(); ++k) turn += d[k] * d[k];
+    }
+  root_cm = 100 * std::sqrt(way / a.frames);
+  return joints > 0 ? std::sqrt(turn / (static_cast<double>(a.frames) * joints)) * 180 / pi : 0;
+}
+
 }  // namespace ugoki::correction

@@ -38,6 +38,9 @@ inline constexpr double min_flight = 0.05;
 [[nodiscard]] CorrectionMeasures measure(const Mechanism& m, const Motion& motion, const motion_edit::FootContacts& contacts,
                                          const CorrectOptions& options);
 
+/// rms rotation of the joints between the frames of two motions of equal length, degrees. @param root_cm [out] rms displacement of the root
+[[nodiscard]] double rms_change(const Mechanism& m, const Motion& a, const Motion& b, double& root_cm);
+
 /// Moves the whole character by the rigid displacement X (world). The root must be floating. @param q [nq, in and out]
 void displace(const Mechanism& m, const Pose& X, double* q);
 
