@@ -1,5 +1,5 @@
 #pragma once
-// A forward roll made by hand as keys: from standing to lying on the back. The keys ignore dynamics.
+// A forward roll made by hand as keys: from standing over hands and shoulders to a seat. The keys ignore dynamics.
 
 #include "ugoki/mechanism/mechanism.h"
 #include "ugoki/motion/motion.h"

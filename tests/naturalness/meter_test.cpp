@@ -4,9 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "../motion_edit/characters.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/motion/contact_labels.h"
 #include "ugoki/naturalness/judge_motion.h"
 #include "ugoki/naturalness/report_svg.h"
 
@@ -49,6 +52,28 @@ TEST(Meter, ParabolaOfAFlight) {
   const double braked = total(thrown(9.81, 2), flight_speed);
   EXPECT_GT(braked, 100 * 2 * 0.3 / 2.5);
   EXPECT_LT(braked, 100 * 2 * 0.5 / 2.4);
+}
+
+TEST(Meter, TheGroundCarriesABodyThatLies) {
+  const Character c = motion_edit::human_walk();
+  Motion m = c.motion;
+  m.cyclic = false;
+  m.contacts.clear();
+  m.frames = 120;
+  std::vector<double> q = c.m().neutral();
+  const double half = std::sqrt(0.5);
+  q[3] = half, q[4] = 0, q[5] = -half, q[6] = 0;  // on the back
+  std::vector<Pose> X(c.m().links().size());
+  calc_poses(c.m(), q, X);
+  double low = 1e9;
+  for (std::size_t i = 0; i < X.size(); ++i)
+    for (const SupportPoint& p : support_points(c.m().links()[i])) low = std::min(low, (X[i] * p.p).z - p.radius);
+  q[2] -= low;
+  m.q.clear();
+  for (int f = 0; f < m.frames; ++f) m.q.insert(m.q.end(), q.begin(), q.end());
+  const Report report = judge_motion(c.m(), m);
+  EXPECT_LT(total(report, root_force), 5) << "%";
+  EXPECT_LT(total(report, root_moment), 5) << "%";
 }
 
 TEST(Meter, ShapeOfAGroundForce) {

@@ -65,6 +65,12 @@ class Inverse {
   Inverse(const Mechanism& m, const BodyLegs& body, const motion_edit::FootContacts& contacts, double rate, const JudgeOptions& options)
       : m_(m), body_(body), options_(options), ws_(m), external_(at(m.link_count())), forces(body.legs.size()), torque(at(m.nv())) {
     for (const auto& bears : contacts.bears) shares_.push_back(load_shares(bears, rate));
+    std::vector<bool> is_foot(at(m.link_count()));
+    for (const Leg& leg : body.legs)
+      for (const int part : leg.limb.parts) is_foot[at(part)] = true;
+    for (int i = 0; i < m.link_count(); ++i)
+      if (!is_foot[at(i)])
+        for (const SupportPoint& p : support_points(m.link(i))) others_.push_back({i, p});
   }
 
   void solve(int frame, std::span<const double> q, std::span<const double> v, std::span<const double> a) {
@@ -81,7 +87,7 @@ class Inverse {
                                   : problem_.solve(supports_, c.centre, wanted, std::max(0.05, c.centre.z - options_.ground), 1e-6, loads_);
       for (std::size_t i = 0; i < supports_.size(); ++i) {
         external_[at(links_[i])] += Vec6{cross(supports_[i].p, loads_[i]), loads_[i]};
-        forces[at(legs_[i])] += loads_[i];
+        if (legs_[i] >= 0) forces[at(legs_[i])] += loads_[i];
       }
     }
     dynamics::calc_inverse_dynamics(m_, ws_, a, {0, 0, -options_.gravity}, external_, torque);
@@ -109,6 +115,15 @@ class Inverse {
         legs_.push_back(static_cast<int>(k));
       }
     }
+    // Hands, knees, the trunk and other links bear load where they are on the ground: rolls, push-ups, falls.
+    const double low = options_.ground + loaded_height * body_.centre_height / cutoff_height;
+    for (const LinkPoint& p : others_) {
+      const Vec3 point = ws_.X_WB[at(p.link)] * p.location.p - Vec3{0, 0, p.location.radius};
+      if (point.z > low) continue;
+      supports_.push_back({{point.x, point.y, options_.ground}, {0, 0, 1}, options_.friction, 1, heading});
+      links_.push_back(p.link);
+      legs_.push_back(-1);
+    }
   }
 
   const Mechanism& m_;
@@ -118,7 +133,8 @@ class Inverse {
   control::ContactForceProblem problem_;
   std::vector<std::vector<double>> shares_;
   std::vector<control::Support> supports_;
-  std::vector<int> links_, legs_;
+  std::vector<LinkPoint> others_;  // support points of all links that are not feet
+  std::vector<int> links_, legs_;  // of each support; leg -1: not a foot
   std::vector<Vec3> loads_, points_;
   std::vector<Vec6> external_;
 
