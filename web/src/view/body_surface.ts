@@ -7,7 +7,7 @@ import { BodyField, bind_poses, is_body } from './body_field';
 export interface BodySurface {
   /** Attributes position and normal (bind pose), skinIndex (links) and skinWeight. The draw range is the surface that is shown. */
   geometry: THREE.BufferGeometry;
-  /** Ranges of the index: of the surface that is shown, and of coarser ones: from afar, and for its shadow, which takes a quarter of the time. */
+  /** Ranges of the index: of the surface that is shown, and of coarser ones: from afar, and for its shadow, which takes a fifth of the time. */
   shown: IndexRange;
   far: IndexRange;
   shadow: IndexRange;
@@ -26,8 +26,8 @@ const cells_over_height = 100; // 18 mm for a person of 1.8 m: fingers and toes 
 const rough_cells_over_height = 45; // a fifth of the work
 // Where the surface is flat, its triangles are joined. The bounds are in cells: an arm of 50 mm radius deviates by as much between its vertices.
 const shown_error = 0.055; // 1 mm for a person of 1.8 m
-const far_error = 0.11; // 2 mm
-const shadow_error = 0.11; // 2 mm, less than a texel of the shadow map
+const far_error = 0.14; // 2.7 mm
+const shadow_error = 0.22; // 4 mm, less than a texel of the shadow map
 const normal_weight = 28; // a normal that is wrong by 1/500 counts as 1 mm, because light shows it
 const bend_weight = 2.8; // a wrong part of 1/50 between two links counts as 1 mm: a bent limb moves by about its radius
 const block = 4; // edge of a block of cells that is skipped if it is far from the surface, cells

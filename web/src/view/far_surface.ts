@@ -1,7 +1,7 @@
 /** When bodies are drawn with the coarser of their surfaces. */
 import * as THREE from 'three';
 
-const far_pixels = 0.8; // the coarser surface is drawn if it deviates by less, px
+const far_pixels = 1; // the coarser surface is drawn if it deviates by less, px
 
 /** Height of a pixel at a distance from the camera, m. An orthographic camera shows all distances alike. */
 function pixel_size(renderer: THREE.WebGLRenderer, camera: THREE.Camera, distance: number): number {

@@ -4,6 +4,7 @@ import { FloorLines } from './floor_lines';
 
 // The floor is flat and its lights are directional, so that its lighting without shadow is the same everywhere. The vertex shader therefore
 // computes the displayed (sRGB) colours with and without shadow, and the fragment shader mixes displayed colours: three powers a pixel less.
+const fade = 'vec3 faded(vec3 color, vec2 at) { return mix(color, u_background, smoothstep(0.12 * u_reach, u_reach, length(at - u_focus))); }';
 const vertex_shader = `
 #include <common>
 #include <lights_pars_begin>
@@ -11,10 +12,14 @@ const vertex_shader = `
 #if defined(PATCH) && defined(USE_SHADOWMAP) && NUM_DIR_LIGHT_SHADOWS > 0
   #define SHADOW
 #endif
-uniform vec3 u_floor;
+uniform vec3 u_floor, u_background;
+uniform vec2 u_focus;
+uniform float u_reach;
 varying vec2 v_world;
 flat varying vec3 v_lit, v_shaded; // displayed colours by all lights, and by all lights except the first, which casts the shadow
+varying vec3 v_faded; // displayed colour of a floor without pattern and shadow
 vec3 displayed(vec3 c) { return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
+${fade}
 vec3 light(int i, vec3 normal) { return max(0.0, dot(normal, directionalLights[i].direction)) * directionalLights[i].color; }
 void main() {
   vec4 world = modelMatrix * vec4(position, 1.0);
@@ -24,6 +29,7 @@ void main() {
   vec3 shaded = (getHemisphereLightIrradiance(hemisphereLights[0], normal) + light(1, normal)) * reflected;
   v_shaded = displayed(shaded);
   v_lit = displayed(shaded + light(0, normal) * reflected);
+  v_faded = faded(v_lit, world.xy);
   #ifdef SHADOW
     vDirectionalShadowCoord[0] = directionalShadowMatrix[0] * (world + vec4(0.0, 0.0, directionalLightShadows[0].shadowNormalBias, 0.0));
   #endif
@@ -36,9 +42,11 @@ const fragment_shader = `
 #include <shadowmap_pars_fragment>
 varying vec2 v_world;
 flat varying vec3 v_lit, v_shaded;
+varying vec3 v_faded;
 uniform vec3 u_background;
 uniform vec2 u_focus;
 uniform float u_reach;
+${fade}
 
 // Random number of a cell, 0 ... 1.
 float random_of(vec2 cell) { return fract(sin(dot(cell, vec2(12.9898, 78.233))) * 43758.5453); }
@@ -64,37 +72,30 @@ float checker(vec2 p, vec2 w) {
 
 #if defined(PATCH) && defined(USE_SHADOWMAP) && NUM_DIR_LIGHT_SHADOWS > 0
 #define SHADOW
-// As getShadow() of three.js, which the characters use, but with two trigonometric functions instead of ten.
-float soft_shadow(vec3 at) {
-  DirectionalLightShadow light = directionalLightShadows[0];
-  float phi = interleavedGradientNoise(gl_FragCoord.xy) * PI2;
-  vec2 turn = vec2(cos(phi), sin(phi)) * light.shadowRadius / light.shadowMapSize;
-  mat2 rotation = mat2(turn.x, turn.y, -turn.y, turn.x);
-  at.z += light.shadowBias;
-  float sum = 0.0;
-  for (int i = 0; i < 5; i++) sum += texture(directionalShadowMap[0], vec3(at.xy + rotation * vogelDiskSample(i, 5, 0.0), at.z));
-  return mix(1.0, 0.2 * sum, light.shadowIntensity);
-}
 #endif
+// PATTERN is the index into ground_patterns. Without a graphics processor, all branches of an 'if' would be computed for every pixel.
 void main() {
-  vec2 p = v_world;
-  float away = length(p - u_focus);
-  float shadow = 1.0;
-  #ifdef SHADOW
-    vec3 s = vDirectionalShadowCoord[0].xyz;
-    if (all(greaterThanEqual(s.xy, vec2(0.0))) && all(lessThanEqual(s, vec3(1.0)))) shadow = soft_shadow(s);
+  #if !defined(SHADOW) && PATTERN < 2
+    gl_FragColor = vec4(v_faded, 1.0);
+  #else
+    vec2 p = v_world;
+    float shadow = 1.0;
+    #ifdef SHADOW
+      DirectionalLightShadow light = directionalLightShadows[0];
+      shadow = getShadow(directionalShadowMap[0], light.shadowMapSize, light.shadowIntensity, light.shadowBias, light.shadowRadius, vec4(vDirectionalShadowCoord[0].xyz, 1.0));
+    #endif
+    vec3 color = mix(v_shaded, v_lit, shadow);
+    #if PATTERN == 2
+      color *= 1.0 - 0.14 * checker(p, fwidth(p));
+    #elif PATTERN == 3
+      color *= pow(boards(p, fwidth(p)), 0.42); // a factor on light as a factor on displayed colours
+    #endif
+    gl_FragColor = vec4(faded(color, p), 1.0);
   #endif
-  vec3 color = mix(v_shaded, v_lit, shadow);
-  // PATTERN is the index into ground_patterns. Without a graphics processor, all branches of an 'if' would be computed for every pixel.
-  #if PATTERN == 2
-    color *= 1.0 - 0.14 * checker(p, fwidth(p));
-  #elif PATTERN == 3
-    color *= pow(boards(p, fwidth(p)), 0.42); // a factor on light as a factor on displayed colours
-  #endif
-  gl_FragColor = vec4(mix(color, u_background, smoothstep(0.12 * u_reach, u_reach, away)), 1.0);
 }`;
 
 const ground_patterns = ['grid', 'plain', 'checker', 'boards'];
+const rings = 24; // of the disc: its colour is exact at their edges and linear between them
 const max_patches = 256; // if more bodies cast shadows, one patch covers all of them
 
 /** A rectangle of the floor, m. */
@@ -160,7 +161,7 @@ export class Floor {
       new THREE.ShaderMaterial({ uniforms: this.uniforms, vertexShader: vertex_shader, fragmentShader: fragment_shader, lights: true, ...more, defines: { PATTERN: 0, ...more.defines } });
     // The patches are drawn first. The disc is moved back by the smallest visible depth, so that it does not cover them.
     this.patches = new THREE.Mesh(new THREE.BufferGeometry().setAttribute('position', this.corners), material({ defines: { PATCH: '' } }));
-    this.disc = new THREE.Mesh(new THREE.CircleGeometry(1, 128), material({ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 }));
+    this.disc = new THREE.Mesh(new THREE.RingGeometry(0, 1, 64, rings), material({ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 }));
     this.patches.receiveShadow = true;
     for (const [order, mesh] of [this.patches, this.disc].entries()) {
       mesh.frustumCulled = false;

@@ -4,15 +4,6 @@
  */
 import * as THREE from 'three';
 
-const taps = 5; // of a soft shadow
-
-/** Point `index` of a spiral (Vogel) that covers the unit disc evenly with `taps` points. */
-const tap = (index: number): [number, number] => {
-  const radius = Math.sqrt((index + 0.5) / taps);
-  const angle = index * 2.399963229728653; // golden angle, rad
-  return [radius * Math.cos(angle), radius * Math.sin(angle)];
-};
-
 /** Replaces `from` in a chunk. @throws if the chunk does not contain it, which would be another version of three.js */
 function change(chunk: keyof typeof THREE.ShaderChunk, from: string | RegExp, to: (...found: string[]) => string): void {
   const before = THREE.ShaderChunk[chunk];
@@ -21,9 +12,12 @@ function change(chunk: keyof typeof THREE.ShaderChunk, from: string | RegExp, to
   (THREE.ShaderChunk as Record<string, string>)[chunk] = after;
 }
 
-// Shadows: one rotation of fixed points for each pixel instead of a sine and a cosine for each point. The result is the same.
-change('shadowmap_pars_fragment', /float phi = interleavedGradientNoise\( gl_FragCoord\.xy \) \* PI2;/g, (phi) => `${phi}\nmat2 turn = mat2(cos(phi), sin(phi), -sin(phi), cos(phi));`);
-change('shadowmap_pars_fragment', /vogelDiskSample\( (\d), 5, phi \)/g, (_all, index) => `(turn * vec2(${tap(Number(index)).map((v) => v.toFixed(7)).join(', ')}))`);
+// Soft shadows: four points on a rotated grid, whose distances across and along the shadow map are equal. Each reads four texels, so that an edge
+// fades evenly and without noise over `shadowRadius` texels on each side. Points that are turned differently in each pixel, as in three.js, need
+// one point more, sine and cosine.
+const offsets = [[1, 3], [3, -1], [-1, -3], [-3, 1]].map(([x, y]) => `vec2(${(x! / 4).toFixed(2)}, ${(y! / 4).toFixed(2)})`);
+const sum = offsets.map((offset) => `texture(shadowMap, vec3(shadowCoord.xy + radius * ${offset}, shadowCoord.z))`).join(' + ');
+change('shadowmap_pars_fragment', /if \( frustumTest \) \{[^]*?\* 0\.2;\s*\}/, () => `vec2 radius = shadowRadius / shadowMapSize;\nif (frustumTest) shadow = 0.25 * (${sum});`);
 
 // Light on materials that reflect no environment: diffuse (Lambert) and specular (GGX, with the Smith visibility in the linear form of
 // Hammon, 2017). Left out are the tables by which three.js corrects the energy of light that is reflected several times within the surface,
@@ -56,3 +50,26 @@ void light_around(const in vec3 irradiance, const in vec3 position, const in vec
 #define RE_IndirectDiffuse light_around`;
 change('lights_physical_pars_fragment', /^[^]*$/, (all) => `#ifdef USE_ENVMAP\n${all}\n#else\n${light}\n#endif\n`);
 change('lights_fragment_begin', '#ifdef STANDARD', () => '#if defined(STANDARD) && defined(USE_ENVMAP)');
+
+// The light of the sky and of further lights changes slowly over a surface, so that it is computed for each vertex and not for each pixel. Only the
+// first light, and lights with shadows, make highlights on such materials.
+const by_vertex = '#if defined(STANDARD) && !defined(USE_ENVMAP) && !defined(USE_NORMALMAP) && !defined(FLAT_SHADED) && !defined(DOUBLE_SIDED) && NUM_DIR_LIGHTS > 0 && NUM_HEMI_LIGHTS > 0';
+change('normal_pars_vertex', /$/, () => `\n${by_vertex}\n#define LIGHT_BY_VERTEX\nvarying vec3 v_light_around;\n#include <lights_pars_begin>\n#endif\n`);
+change('normal_vertex', /$/, () => `
+#ifdef LIGHT_BY_VERTEX
+  v_light_around = vec3(0.0);
+  vec3 light_normal = normalize(transformedNormal);
+  #pragma unroll_loop_start
+  for ( int i = 0; i < NUM_HEMI_LIGHTS; i ++ ) {
+    v_light_around += getHemisphereLightIrradiance(hemisphereLights[ i ], light_normal);
+  }
+  #pragma unroll_loop_end
+  for (int k = max(1, NUM_DIR_LIGHT_SHADOWS); k < NUM_DIR_LIGHTS; k++) v_light_around += max(0.0, dot(light_normal, directionalLights[k].direction)) * directionalLights[k].color;
+#endif
+`);
+change('normal_pars_fragment', /$/, () => `\n${by_vertex}\n#define LIGHT_BY_VERTEX\nvarying vec3 v_light_around;\n#endif\n`);
+change('lights_fragment_begin', /directionalLight = directionalLights\[ i \];[^]*?RE_Direct\([^;]*;/, (all) => `#if !defined(LIGHT_BY_VERTEX) || UNROLLED_LOOP_INDEX < 1 || UNROLLED_LOOP_INDEX < NUM_DIR_LIGHT_SHADOWS\n${all}\n#endif`);
+change('lights_fragment_begin', '#if ( NUM_HEMI_LIGHTS > 0 )', () => `#ifdef LIGHT_BY_VERTEX\nirradiance += v_light_around;\n#elif NUM_HEMI_LIGHTS > 0`);
+
+// The shadow coordinate of a light without perspective needs no division.
+change('lights_fragment_begin', 'vDirectionalShadowCoord[ i ]', () => 'vec4(vDirectionalShadowCoord[ i ].xyz, 1.0)');

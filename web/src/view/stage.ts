@@ -58,9 +58,9 @@ export class Stage {
     this.scene.background = options.transparent ? null : this.background;
     this.floor.object.visible = !options.transparent;
     this.key.castShadow = true;
-    this.key.shadow.mapSize.setScalar(this.software ? 1024 : 2048);
+    this.key.shadow.mapSize.setScalar(1024);
     this.key.shadow.normalBias = 0.012;
-    this.key.shadow.radius = 5;
+    this.key.shadow.radius = 2; // texels: the four points of a soft shadow (shading.ts) are a texel apart; further apart, they would show as steps
     this.scene.add(this.dome.mesh, this.floor.object, this.key, this.key.target, this.fill, this.fill.target, this.sky);
     for (const object of [this.dome.mesh, ...this.floor.object.children, this.key, this.fill, this.sky]) object.layers.enable(floor_layer);
     this.quality = this.software ? 0.5 : 1;
