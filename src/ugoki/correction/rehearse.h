@@ -28,7 +28,7 @@ struct RehearseReport {
 };
 
 /// Reproduces a motion by the torques of its joints, within their limits, over the floor z = 0. All links can touch the floor. O(frames *
-/// samples): about 5 s of processor time for a second of motion. Errors: the motion does not fit the mechanism; the root is not floating;
+/// samples): about 7 s of processor time for a second of motion. Errors: the motion does not fit the mechanism; the root is not floating;
 /// options out of range; the body loses the motion (with the time); cancelled.
 [[nodiscard]] Result<Motion> rehearse_motion(const MechanismPtr& mechanism, const Motion& motion, const RehearseOptions& options = {},
                                              RehearseReport* report = nullptr);
