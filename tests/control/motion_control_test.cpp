@@ -81,6 +81,22 @@ TEST(MotionControl, StandsOnItsOwnFeet) {
   EXPECT_NEAR(s.state.q[2], 0.91, 0.005);
 }
 
+// All controllers of a mechanism share their scratch memory.
+TEST(MotionControl, OtherCharactersOfTheMechanismHaveNoEffect) {
+  Simulation alone, one, other({}, {1, 2, 0, 0.5});
+  other.m = one.m;
+  other.control = MotionControl(one.m, {});
+  other.state.q[2] += 0.2;  // falls onto its feet while the first character stands on them
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 push = i < 100 ? Vec3{60, 0, 0} : Vec3{};
+    alone.step(push);
+    one.step(push);
+    other.step({});
+  }
+  EXPECT_EQ(alone.state.q, one.state.q);
+  EXPECT_EQ(alone.state.v, one.state.v);
+}
+
 TEST(MotionControl, RecoversFromAPush) {
   Simulation s;
   for (int i = 0; i < 500; ++i) s.step({});

@@ -77,6 +77,20 @@ TEST(Mechanism, CoordinatesAndDofs) {
   EXPECT_EQ(q, (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0}));
 }
 
+TEST(Mechanism, PlacesAreThoseOfTheLinks) {
+  const MechanismPtr m = Mechanism::make(tree()).value();
+  ASSERT_EQ(m->places().size(), m->links().size());
+  for (std::size_t i = 0; i < m->links().size(); ++i) {
+    const Link& l = m->links()[i];
+    const LinkPlace& place = m->places()[i];
+    EXPECT_EQ(place.parent, l.parent) << l.name;
+    EXPECT_EQ(place.q_index, l.q_index) << l.name;
+    EXPECT_EQ(place.v_index, l.v_index) << l.name;
+    EXPECT_EQ(place.type, l.joint.type) << l.name;
+    EXPECT_EQ(place.nv, l.joint.nv()) << l.name;
+  }
+}
+
 TEST(Mechanism, ParentsComeFirstForAnyInputOrder) {
   MechanismSpec spec = tree();
   std::reverse(spec.links.begin(), spec.links.end());

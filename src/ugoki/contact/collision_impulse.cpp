@@ -64,8 +64,8 @@ struct EnergyChange {
       for (auto f = static_cast<std::size_t>(link.v_index); f < static_cast<std::size_t>(link.v_index + link.joint.nv()); ++f) {
         V += ws.S[f] * s.v[f];
         D += ws.S[f] * d[f];
-        rate += ws.dofs[f].armature * s.v[f] * d[f];
-        square += ws.dofs[f].armature * d[f] * d[f];
+        rate += ws.armature[f] * s.v[f] * d[f];
+        square += ws.armature[f] * d[f] * d[f];
       }
       ws.A[at] = V;
       ws.pA[at] = D;

@@ -63,6 +63,7 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
   }
   for (const auto& poses : end_.X_WB) views_.emplace_back(poses);
   moved_.resize(views_.size());
+  may_pass_.resize(views_.size());
   half_thickness_.assign(size_.size(), HUGE_VAL);
   motions_.resize(views_.size());
   first_link_ = {0};
@@ -74,7 +75,6 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
     const double thickness = s.shape.type == ShapeType::mesh ? 0.5 * s.thickness : s.thickness;
     half_thickness_[link] = std::min(half_thickness_[link], thickness);
   }
-  for (const auto& poses : end_.X_WB) speeds_.resize(std::max(speeds_.size(), poses.size()));
   for (auto* list : {&contacts_, &found_, &near_, &all_contacts_}) list->reserve(12 * scene.shapes().size() + 64);
   forces_.reserve(12 * scene.shapes().size() + 64);
 }
@@ -85,8 +85,9 @@ void GuardedStep::set_end(std::size_t s, std::span<const double> q) {
   std::ranges::copy(q, end_.q[s].begin());
 }
 
-/// Calculates the poses at the end of the pass, and marks in moved_ the systems whose end positions must be checked for overlaps.
-void GuardedStep::update_end_poses(std::span<const StepSystem> systems) {
+/// Calculates the poses at the end of the pass, and marks in moved_ the systems whose end positions must be checked for overlaps, and in
+/// may_pass_ those whose motion must be checked for passages.
+void GuardedStep::update_end_poses(std::span<const StepSystem> systems, double dt) {
   stepper_->for_each_system([&](std::size_t s) {
     const double* size = size_.data() + first_link_[s];
     if (repeated_ && !stepper_->has_changed(static_cast<int>(s))) {
@@ -101,6 +102,7 @@ void GuardedStep::update_end_poses(std::span<const StepSystem> systems) {
       motion = std::max(motion, norm(end_.X_WB[s][i].p - begin[i].p) + inv_sqrt2 * turn_between(begin[i].R, end_.X_WB[s][i].R) * *size);
     }
     moved_[s] = motion > options_.depth ? 1 : 0;
+    may_pass_[s] = may_pass(s, systems[s].v, dt) ? 1 : 0;
   });
 }
 
@@ -202,7 +204,7 @@ StepReport GuardedStep::step_whole(std::span<StepSystem> systems, std::span<cons
       collision::begin_from(*scene_, views_, contacts, workspace_);
       for (std::size_t s = 0; s < systems.size(); ++s) views_[s] = end_.X_WB[s];
     }
-    update_end_poses(systems);
+    update_end_poses(systems, dt);
     if (!add_overlaps(contacts, dt)) return report;
     attempt_begin_.restore(systems);
   }
@@ -210,28 +212,30 @@ StepReport GuardedStep::step_whole(std::span<StepSystem> systems, std::span<cons
   return report;
 }
 
+/// Whether a link of the system may pass through another: it moves by more than its half thickness. The motion is estimated from the
+/// velocities of the links at the beginning, plus a quarter for links that accelerate within the step.
+bool GuardedStep::may_pass(std::size_t s, std::span<const double> v, double dt) const {
+  thread_local std::vector<Vec6> speeds;  // [links] rad/s, m/s, world: spatial velocities
+  const dynamics::Workspace& ws = stepper_->workspace(static_cast<int>(s));
+  const std::span<const LinkPlace> links = stepper_->mechanism(static_cast<int>(s)).places();
+  if (speeds.size() < links.size()) speeds.resize(links.size());
+  std::size_t at = first_link_[s];
+  for (std::size_t i = 0; i < links.size(); ++i, ++at) {
+    const LinkPlace& link = links[i];
+    Vec6& V = speeds[i];
+    V = link.parent >= 0 ? speeds[static_cast<std::size_t>(link.parent)] : Vec6{};
+    for (int k = link.v_index; k < link.v_index + link.nv; ++k) V += ws.S[static_cast<std::size_t>(k)] * v[static_cast<std::size_t>(k)];
+    const Vec3 origin = V.v + cross(V.w, ws.X_WB[i].p - ws.p0);
+    if (1.25 * dt * (norm(origin) + norm(V.w) * size_[at]) > half_thickness_[at]) return true;
+  }
+  return false;
+}
+
 /// Finds when a body first passes through another at the present velocities. @return s: time from attempt_begin_ until then; dt: never
 double GuardedStep::find_passage(std::span<const StepSystem> systems, double dt) {
-  // A link can pass only if it moves by more than its half thickness. The motion is estimated from the velocities of the links at the
-  // beginning, plus a quarter for links that accelerate within the step.
-  bool far = false;
-  for (std::size_t s = 0; s < systems.size(); ++s) {
-    const Mechanism& m = stepper_->mechanism(static_cast<int>(s));
-    const dynamics::Workspace& ws = stepper_->workspace(static_cast<int>(s));
-    const std::span<const double> v = systems[s].v;
-    motions_[s] = {attempt_begin_.q[s], v};
-    std::size_t at = first_link_[s];
-    for (int i = 0; i < m.link_count() && !far; ++i, ++at) {
-      const Link& link = m.link(i);
-      Vec6& V = speeds_[static_cast<std::size_t>(i)];
-      V = link.parent >= 0 ? speeds_[static_cast<std::size_t>(link.parent)] : Vec6{};
-      for (int k = link.v_index; k < link.v_index + link.joint.nv(); ++k)
-        V += ws.S[static_cast<std::size_t>(k)] * v[static_cast<std::size_t>(k)];
-      const Vec3 origin = V.v + cross(V.w, ws.X_WB[static_cast<std::size_t>(i)].p - ws.p0);
-      far = 1.25 * dt * (norm(origin) + norm(V.w) * size_[at]) > half_thickness_[at];
-    }
-  }
-  return far ? search_.find_passage(motions_, dt).time : dt;
+  if (std::ranges::none_of(may_pass_, [](char may) { return may != 0; })) return dt;
+  for (std::size_t s = 0; s < systems.size(); ++s) motions_[s] = {attempt_begin_.q[s], systems[s].v};
+  return search_.find_passage(motions_, dt).time;
 }
 
 /// Sets near_ to the contacts of the present positions and to those that fast bodies reach within dt.

@@ -132,7 +132,7 @@ double InertialMotion::kinetic_energy(const Mechanism& m, std::span<const double
   dynamics::Workspace& ws = closing_[0];
   dynamics::update_kinematics(m, q, v, ws);
   double energy = dynamics::kinetic_energy(m, ws);
-  for (std::size_t k = 0; k < v.size(); ++k) energy += 0.5 * ws.dofs[k].armature * v[k] * v[k];
+  for (std::size_t k = 0; k < v.size(); ++k) energy += 0.5 * ws.armature[k] * v[k] * v[k];
   return energy;
 }
 

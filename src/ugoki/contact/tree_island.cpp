@@ -192,7 +192,7 @@ void TreeIsland::assemble(const dynamics::Workspace& ws) {
   std::ranges::fill(K_, dynamics::ArticulatedInertia{});
   for (std::size_t i = 0; i < wrenches_.size(); ++i) wrenches_[i] = ws.I[i] * change_V_[i];
   for (std::size_t f = 0; f < r_.size(); ++f) {
-    r_[f] = -(ws.dofs[f].armature + extra_[f]) * change_[f];
+    r_[f] = -(ws.armature[f] + extra_[f]) * change_[f];
     stiff_extra_[f] = extra_[f];
   }
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
@@ -230,7 +230,7 @@ int TreeIsland::minimise(const Mechanism& m, dynamics::Workspace& ws, double tol
     // the difference of the parts of F does not.
     double square = 0;  // step . M' step
     for (std::size_t i = 0; i < step_V_.size(); ++i) square += dot(step_V_[i], ws.I[i] * step_V_[i]);
-    for (std::size_t f = 0; f < step_.size(); ++f) square += (ws.dofs[f].armature + extra_[f]) * step_[f] * step_[f];
+    for (std::size_t f = 0; f < step_.size(); ++f) square += (ws.armature[f] + extra_[f]) * step_[f] * step_[f];
     old_p_ = p_;
     const double slope = square + apply_laws(0).curvature;
     if (steps == 1) first_slope = slope;

@@ -35,6 +35,8 @@ void solve_spd(std::array<Array6, 6>& H, Array6& b) {
 ContactForceProblem::ContactForceProblem(std::size_t capacity) {
   columns_.reserve(4 * capacity);
   edges_.reserve(4 * capacity);
+  pressed_.reserve(4 * capacity);
+  loaded_.reserve(4 * capacity);
 }
 
 Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& origin, const Vec6& wrench, double lever, double softness,
@@ -57,49 +59,45 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
 
   // Minimize phi(y) = |y|^2 / 2 + |max(0, G^T y)|^2 / (2 eps) - w.y; then beta = max(0, G^T y) / eps, and the missing wrench is y. Symbols:
   // contact_forces.h.
-  const auto objective = [&](const Array6& y) {
+  const auto objective = [&](const Array6& y) {  // also sets pressed_
     double value = 0;
     for (std::size_t i = 0; i < 6; ++i) value += y[i] * (0.5 * y[i] - w[i]);
     const Vec6 yv = to_vec(y);
-    for (const Vec6& g : columns_) {
-      const double b = dot(g, yv);
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      const double b = pressed_[k] = dot(columns_[k], yv);
       if (b > 0) value += 0.5 * b * b / softness;
     }
     return value;
   };
   Array6 y{};
+  pressed_.assign(columns_.size(), 0.0);
+  // First iteration (y = 0): assume that an edge bears load if its wrench has a positive dot product with the wanted one.
+  loaded_.resize(columns_.size());
+  for (std::size_t k = 0; k < columns_.size(); ++k) loaded_[k] = dot(columns_[k], to_vec(w)) > 0 ? 1 : 0;
   double value = 0;
-  for (iterations_ = 0; iterations_ < 50; ++iterations_) {
+  bool exact = false;  // phi is quadratic between y and its minimum, so that a full Newton step has reached the minimum
+  for (iterations_ = 0; iterations_ < 50 && !exact; ++iterations_) {
     std::array<Array6, 6> H{};
-    Array6 step;
+    Array6 descent;  // minus the gradient of phi
     for (std::size_t i = 0; i < 6; ++i) {
       H[i][i] = 1;
-      step[i] = w[i] - y[i];
+      descent[i] = w[i] - y[i];
     }
-    const Vec6 yv = to_vec(y);
-    for (const Vec6& column : columns_) {
-      const double b = dot(column, yv);
-      // First iteration (y = 0): assume that an edge bears load if its wrench has a positive dot product with the wanted one.
-      if (iterations_ > 0 ? b <= 0 : dot(column, to_vec(w)) <= 0) continue;
-      const Array6 g = to_array(column);
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      if (loaded_[k] == 0) continue;
+      const double b = pressed_[k];
+      const Array6 g = to_array(columns_[k]);
       for (std::size_t i = 0; i < 6; ++i) {
-        step[i] -= g[i] * b / softness;
+        descent[i] -= g[i] * b / softness;
         for (std::size_t j = 0; j <= i; ++j) H[i][j] += g[i] * g[j] / softness;
       }
     }
+    Array6 step = descent;
     solve_spd(H, step);
     double slope = 0, size = 0;
     for (std::size_t i = 0; i < 6; ++i) size += step[i] * step[i];
     if (size < 1e-18 * (1 + dot(to_vec(w), to_vec(w)))) break;
-    Array6 gradient;
-    for (std::size_t i = 0; i < 6; ++i) gradient[i] = y[i] - w[i];
-    for (const Vec6& column : columns_) {
-      const double b = dot(column, yv);
-      if (b <= 0) continue;
-      const Array6 g = to_array(column);
-      for (std::size_t i = 0; i < 6; ++i) gradient[i] += g[i] * b / softness;
-    }
-    for (std::size_t i = 0; i < 6; ++i) slope += gradient[i] * step[i];
+    for (std::size_t i = 0; i < 6; ++i) slope -= descent[i] * step[i];
     double length = 1;
     for (int tries = 0; tries < 30; ++tries, length *= 0.5) {
       Array6 next;
@@ -111,15 +109,18 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
         break;
       }
     }
+    exact = length == 1;
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      const unsigned char loaded = pressed_[k] > 0 ? 1 : 0;
+      exact = exact && loaded == loaded_[k];
+      loaded_[k] = loaded;
+    }
   }
-  const Vec6 yv = to_vec(y);
   Vec6 missing = wrench;
   for (std::size_t i = 0; i < supports.size(); ++i) {
     Vec3 force;
-    for (std::size_t k = 4 * i; k < 4 * i + 4; ++k) {
-      const double b = dot(columns_[k], yv);
-      if (b > 0) force += edges_[k] * (b / softness);
-    }
+    for (std::size_t k = 4 * i; k < 4 * i + 4; ++k)
+      if (pressed_[k] > 0) force += edges_[k] * (pressed_[k] / softness);
     forces[i] = force;
     missing -= Vec6{cross(supports[i].p - origin, force), force};
   }

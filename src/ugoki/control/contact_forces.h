@@ -43,9 +43,11 @@ class ContactForceProblem {
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
-  std::vector<Vec6> columns_;  // [4 * supports] columns of the map G from edge forces to root force and moment; moments are divided by a
-                               // length, so that all are in N
-  std::vector<Vec3> edges_;    // [4 * supports] edges of the friction pyramids, divided by sqrt(cost)
+  std::vector<Vec6> columns_;    // [4 * supports] columns of the map G from edge forces to root force and moment; moments are divided by a
+                                 // length, so that all are in N
+  std::vector<Vec3> edges_;      // [4 * supports] edges of the friction pyramids, divided by sqrt(cost)
+  std::vector<double> pressed_;  // [4 * supports] G^T y, N: an edge bears load where it is positive
+  std::vector<unsigned char> loaded_;  // [4 * supports] 1: the edge bears load in the equation of the present Newton step
   int iterations_ = 0;
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <mutex>
 
 #include "ugoki/base/check.h"
 #include "ugoki/dynamics/centroidal.h"
@@ -33,14 +35,28 @@ double lowest_point(const Shape& s, const Pose& X_WB) {
 
 }  // namespace
 
+MotionControl::Scratch::Scratch(const Mechanism& m)
+    : workspace(m), reference(m), reference_known(static_cast<std::size_t>(m.link_count())), problem(max_supports) {}
+
+std::shared_ptr<MotionControl::ScratchPool> MotionControl::pool_of(const MechanismPtr& mechanism) {
+  static std::mutex mutex;
+  static std::map<const Mechanism*, std::weak_ptr<ScratchPool>> pools;
+  const std::lock_guard lock(mutex);
+  std::erase_if(pools, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<ScratchPool>& known = pools[mechanism.get()];
+  std::shared_ptr<ScratchPool> pool = known.lock();
+  if (!pool) {  // the pool keeps the mechanism, so that no other one has its address
+    pool = std::make_shared<ScratchPool>([mechanism] { return std::make_unique<Scratch>(*mechanism); });
+    known = pool;
+  }
+  return pool;
+}
+
 MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& options)
     : mechanism_(std::move(mechanism)),
       options_(options),
-      workspace_(*mechanism_),
-      reference_(*mechanism_),
-      problem_(max_supports),
+      scratch_(pool_of(mechanism_)),
       loop_drives_(*mechanism_, drive_strengths(*mechanism_, options.gravity)) {
-  reference_known_.resize(static_cast<std::size_t>(mechanism_->link_count()));
   const Mechanism& m = *mechanism_;
   wanted_.resize(static_cast<std::size_t>(m.nv()));
   displacement_.resize(wanted_.size());
@@ -61,7 +77,6 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
   if (!undriven_.empty()) {
     extra_.resize(wanted_.size());
     response_.resize(wanted_.size());
-    if (workspace_.chain.empty()) workspace_.make_rows(m);
   }
   std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
   calc_poses(m, m.neutral(), X);
@@ -83,10 +98,9 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
   lever_ = std::max({0.1, X[0].p.z - low, 0.5 * (high - low), m.mass() > 0 ? std::sqrt(spread / m.mass()) : 0.0});
 }
 
-void MotionControl::predict_undriven(const ControlInput& in, std::span<double> tau) {
+void MotionControl::predict_undriven(const ControlInput& in, std::span<double> tau, dynamics::Workspace& ws) {
   // A very large inertia holds the driven joints at their wanted accelerations while M is solved for the change of the others.
   constexpr double held = 1e9;  // multiple of a joint's inertia
-  dynamics::Workspace& ws = workspace_;
   dynamics::calc_inertia_rows(*mechanism_, ws);
   for (std::size_t i = 0; i < extra_.size(); ++i) {
     extra_[i] = held * std::max(ws.M[static_cast<std::size_t>(ws.row_start[i + 1] - 1)], 1e-6);
@@ -105,24 +119,25 @@ void MotionControl::predict_undriven(const ControlInput& in, std::span<double> t
   dynamics::calc_inverse_dynamics(*mechanism_, ws, wanted_, options_.gravity, {}, tau);
 }
 
-void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
+void MotionControl::find_supports(const ControlInput& in, const Vec3& shift, Scratch& scratch) {
   const Mechanism& m = *mechanism_;
-  dynamics::Workspace& ws = workspace_;
+  const dynamics::Workspace& ws = scratch.workspace;
+  dynamics::Workspace& reference = scratch.reference;
   supports_.clear();
   support_links_.clear();
   for (unsigned char& b : bears_load_) b = 0;
   if (!floating_) return;
-  std::ranges::fill(reference_known_, char{0});
+  std::ranges::fill(scratch.reference_known, char{0});
   offsets_.clear();
   const Vec3 heading = heading_of(ws.X_WB[0].R * rest_root_.transposed());
   for (const collision::ContactPoint& c : in.contacts) {
     if (c.system_a != in.system || c.system_b >= 0 || supports_.size() == max_supports) continue;
     const double approach = dot(c.n, dynamics::point_velocity(ws, c.link_a, c.p));
     if (c.distance > options_.contact_margin && c.distance + in.dt * approach > 0) continue;
-    dynamics::update_path_kinematics(m, in.q_ref, in.v_ref, c.link_a, reference_known_, reference_);
+    dynamics::update_path_kinematics(m, in.q_ref, in.v_ref, c.link_a, scratch.reference_known, reference);
     const auto link = static_cast<std::size_t>(c.link_a);
-    const Vec3 p_ref = reference_.X_WB[link] * (ws.X_WB[link].inverse() * c.p);
-    const Vec3 v_ref = dynamics::point_velocity(reference_, c.link_a, p_ref);
+    const Vec3 p_ref = reference.X_WB[link] * (ws.X_WB[link].inverse() * c.p);
+    const Vec3 v_ref = dynamics::point_velocity(reference, c.link_a, p_ref);
     // A character that has lost its reference stands on whatever touches the ground.
     const double height = dot(c.n, p_ref + shift - c.p), rise = (1 - lost_) * dot(c.n, v_ref);
     if (height > options_.planted_height + lost_ * lever_ || rise > options_.planted_speed) continue;
@@ -139,22 +154,21 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
   }
 }
 
-double MotionControl::apply_free_fall(const Vec3& ahead, Vec6& missing, Vec3& gravity, std::span<double> tau) {
+double MotionControl::apply_free_fall(const Vec3& ahead, Vec6& missing, Vec3& gravity, std::span<double> tau, dynamics::Workspace& ws) {
   if (options_.assist_limit >= 1 || !(weight_ > 0)) return 0;  // free fall is not needed, because the assist can carry the whole weight
   const double depth = std::clamp(-ahead.z / (options_.flight_depth * lever_), 0.0, 1.0);
   const double up = missing.v.z > 0 ? missing.v.z * (1 - depth * depth) : missing.v.z;  // the assist must not pull the character down
   const double share = std::min(1.0, std::fabs(up) / weight_);
   if (share < 1e-3) return 0;
   const Vec3 given_up{share * missing.v.x, share * missing.v.y, up};
-  const Vec6 before = workspace_.F[0];
+  const Vec6 before = ws.F[0];
   gravity += given_up / mechanism_->mass();
-  dynamics::calc_inverse_dynamics(*mechanism_, workspace_, wanted_, gravity, {}, tau);
-  missing += workspace_.F[0] - before;
+  dynamics::calc_inverse_dynamics(*mechanism_, ws, wanted_, gravity, {}, tau);
+  missing += ws.F[0] - before;
   return share;
 }
 
-void MotionControl::give_up(const Vec6& lack, const Vec3& gravity, std::span<double> tau) {
-  const dynamics::Workspace& ws = workspace_;
+void MotionControl::give_up(const Vec6& lack, const Vec3& gravity, std::span<double> tau, dynamics::Workspace& ws) {
   const dynamics::Centroidal body = dynamics::calc_centroidal(*mechanism_, ws);
   const Vec3 arm = body.centre - ws.p0;
   const Vec3 angular = inverse(body.inertia.matrix()) * (lack.w - cross(arm, lack.v));
@@ -163,7 +177,7 @@ void MotionControl::give_up(const Vec6& lack, const Vec3& gravity, std::span<dou
     wanted_[k] -= dot(ws.S[k].w, angular);
     wanted_[3 + k] -= dot(ws.S[3 + k].v, linear);
   }
-  dynamics::calc_inverse_dynamics(*mechanism_, workspace_, wanted_, gravity, {}, tau);
+  dynamics::calc_inverse_dynamics(*mechanism_, ws, wanted_, gravity, {}, tau);
 }
 
 double MotionControl::calc_departure(const ControlInput& in, const Vec3& ahead, const double (&shift)[3]) const {
@@ -194,8 +208,14 @@ void MotionControl::update_shift(const ControlInput& in, std::span<const Vec3> f
 
 ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, std::span<double> tau, std::span<double> servo_gain,
                                   std::span<double> servo_velocity) {
+  const ScratchPool::Loan scratch = scratch_->take();
+  return step(in, state, tau, servo_gain, servo_velocity, *scratch);
+}
+
+ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, std::span<double> tau, std::span<double> servo_gain,
+                                  std::span<double> servo_velocity, Scratch& scratch) {
   const Mechanism& m = *mechanism_;
-  dynamics::Workspace& ws = workspace_;
+  dynamics::Workspace& ws = scratch.workspace;
   const std::size_t n = wanted_.size();
   UGOKI_CHECK(tau.size() == n && in.q_ref.size() == in.q.size() && in.v_ref.size() == n && in.a_ref.size() == n);
   ControlOutput out;
@@ -209,7 +229,7 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
   const Vec3 from_reference = floating_ ? Vec3{in.q[0] - in.q_ref[0], in.q[1] - in.q_ref[1], in.q[2] - in.q_ref[2]} : Vec3{};
   lost_ =
       floating_ ? std::clamp((calc_departure(in, from_reference, state.shift) - options_.lost_from) / options_.lost_range, 0.0, 1.0) : 0;
-  find_supports(in, {state.shift[0], state.shift[1], state.shift[2]});
+  find_supports(in, {state.shift[0], state.shift[1], state.shift[2]}, scratch);
 
   // 1. Wanted accelerations, from the errors predicted for the end of the step (stable PD). The root and the joints between root and
   // supports share one gain: feet on the ground couple these DOFs, and unequal gains on coupled DOFs are unstable.
@@ -231,22 +251,22 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
     const Link& link = m.link(i);
     joint_displacement(link.joint, in.q.data() + link.q_index, displacement_.data() + link.v_index);
   }
-  if (!undriven_.empty()) predict_undriven(in, tau);
+  if (!undriven_.empty()) predict_undriven(in, tau, ws);
 
   // 3. Contact forces
   if (floating_) {
     const std::span<Vec3> forces(forces_.data(), supports_.size());
-    out.wanted = problem_.solve(supports_, ws.p0, ws.F[0], lever_, 1e-4, forces);
+    out.wanted = scratch.problem.solve(supports_, ws.p0, ws.F[0], lever_, 1e-4, forces);
     // 4. Free fall: the weight that neither the ground nor an assist below one body weight can carry
     const Vec3 ahead{in.q[0] - in.q_ref[0], in.q[1] - in.q_ref[1], in.q[2] - in.q_ref[2]};
     Vec3 gravity = options_.gravity;
-    const double falling = apply_free_fall(ahead, out.wanted, gravity, tau);
+    const double falling = apply_free_fall(ahead, out.wanted, gravity, tau, ws);
     // 5. Root assist
     const double wanted_size = std::sqrt(dot(out.wanted.v, out.wanted.v) + dot(out.wanted.w, out.wanted.w) / (lever_ * lever_));
     const double cap = options_.assist_limit * weight_;
     out.ratio = cap > 0 ? wanted_size / cap : wanted_size > 1e-9 * weight_ ? 1e9 : 0.0;
     out.assist = out.wanted * (out.ratio > 1 ? 1 / out.ratio : 1.0);
-    if (out.ratio > 1) give_up(out.wanted - out.assist, gravity, tau);
+    if (out.ratio > 1) give_up(out.wanted - out.assist, gravity, tau, ws);
     for (std::size_t c = 0; c < supports_.size(); ++c) {
       const Vec6 wrench{cross(supports_[c].p - ws.p0, forces[c]), forces[c]};
       for (const int f : dynamics::chain_of_link(ws, support_links_[c]))

@@ -15,9 +15,11 @@
 //   6. If the character has fallen or lost its reference on the average over `patience`, control is released: from then on there is no
 //      drive torque and no assist, and the character is a ragdoll.
 
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "ugoki/base/loan_pool.h"
 #include "ugoki/collision/contact_point.h"
 #include "ugoki/control/contact_forces.h"
 #include "ugoki/control/loop_drives.h"
@@ -107,21 +109,33 @@ class MotionControl {
   }
 
  private:
+  /// Memory of one tick. All controllers of a mechanism share it, so that it stays in the processor's cache from character to character.
+  struct Scratch {
+    explicit Scratch(const Mechanism& m);
+    dynamics::Workspace workspace;      // at the present state
+    dynamics::Workspace reference;      // at the reference, the links that support the character and their parents
+    std::vector<char> reference_known;  // [links] not 0: `reference` contains the link
+    ContactForceProblem problem;
+  };
+  using ScratchPool = LoanPool<Scratch>;
+  /// Returns the pool of all controllers of this mechanism.
+  static std::shared_ptr<ScratchPool> pool_of(const MechanismPtr& mechanism);
+
   MechanismPtr mechanism_;
   ControlOptions options_;
   /// Sets supports_ to the contacts that can bear load: planted in the reference and closed in the present state.
-  void find_supports(const ControlInput& input, const Vec3& shift);
+  void find_supports(const ControlInput& input, const Vec3& shift, Scratch& scratch);
   /// Replaces the wanted accelerations of the joints without a drive (effort 0) and outside of loops by those that their springs and
   /// dampers will cause, and recomputes the torques. The other joints keep their wanted accelerations.
-  void predict_undriven(const ControlInput& input, std::span<double> tau);
+  void predict_undriven(const ControlInput& input, std::span<double> tau, dynamics::Workspace& ws);
   /// Free fall: the part of the weight that the ground does not carry accelerates the body. Recomputes torques, reduces the missing wrench.
   /// @param ahead m, world: actual minus reference position of the root
   /// @param gravity m/s^2, in and out: gravity minus the acceleration of the free fall, for inverse dynamics
   /// @return fraction of the weight that is left to gravity, 0 ... 1
-  double apply_free_fall(const Vec3& ahead, Vec6& missing, Vec3& gravity, std::span<double> tau);
+  double apply_free_fall(const Vec3& ahead, Vec6& missing, Vec3& gravity, std::span<double> tau, dynamics::Workspace& ws);
   /// Changes the wanted acceleration of the root so that the character does without the wrench `lack`, and recomputes the torques. The
   /// wanted accelerations of the joints stay the same, so the wrench accelerates the character as one rigid body.
-  void give_up(const Vec6& lack, const Vec3& gravity, std::span<double> tau);
+  void give_up(const Vec6& lack, const Vec3& gravity, std::span<double> tau, dynamics::Workspace& ws);
   /// Updates the shift of the root's reference trajectory. The shift follows the mean offset of the loaded feet from their reference; in
   /// free fall it follows the root itself.
   /// @param ahead m, world: actual minus reference position of the root
@@ -133,11 +147,11 @@ class MotionControl {
   /// @param ahead m, world: actual minus reference position of the root
   [[nodiscard]] double calc_departure(const ControlInput& in, const Vec3& ahead, const double (&shift)[3]) const;
 
-  dynamics::Workspace workspace_;      // at the present state
-  dynamics::Workspace reference_;      // at the reference, the links that support the character and their parents
+  ControlOutput step(const ControlInput& input, ControlState& state, std::span<double> tau, std::span<double> servo_gain,
+                     std::span<double> servo_velocity, Scratch& scratch);
+
+  std::shared_ptr<ScratchPool> scratch_;
   Mat3 rest_root_ = Mat3::identity();  // orientation of the root link in the neutral position
-  std::vector<char> reference_known_;  // [links] not 0: reference_ contains the link
-  ContactForceProblem problem_;
   double lever_ = 1;
   double weight_ = 0;  // N
   bool floating_ = false;

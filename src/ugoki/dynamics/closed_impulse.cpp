@@ -27,7 +27,7 @@ void ClosedImpulse::calc_residual(const Mechanism& m, Workspace& ws, const Close
     ws.A[at(i)] = V;
     ws.pA[at(i)] = ws.I[at(i)] * V;
   }
-  for (std::size_t f = 0; f < residual_.size(); ++f) residual_[f] = r[f] - ws.dofs[f].armature * x[f];
+  for (std::size_t f = 0; f < residual_.size(); ++f) residual_[f] = r[f] - ws.armature[f] * x[f];
   const LoopRows& rows = closed.rows();
   for (std::size_t i = 0; with_loops && i < closed.loops().size(); ++i) {
     const Loop& loop = closed.loops()[i];
@@ -82,7 +82,7 @@ void ClosedImpulse::balance_trees(const Mechanism& m, Workspace& ws, const Close
     double M[36], change[6];
     for (int i = 0; i < n; ++i) {
       const Vec6 h = tree_inertia * ws.S[at(first + i)];
-      for (int j = 0; j < n; ++j) M[i * n + j] = dot(ws.S[at(first + j)], h) + (i == j ? ws.dofs[at(first + i)].armature : 0.0);
+      for (int j = 0; j < n; ++j) M[i * n + j] = dot(ws.S[at(first + j)], h) + (i == j ? ws.armature[at(first + i)] : 0.0);
     }
     if (!factor_cholesky({M, at(n * n)}, n, 1e-14)) continue;
     for (int pass = 0; pass < 2; ++pass) {  // the second pass removes the rounding error of the first

@@ -36,7 +36,8 @@ struct LinkResponses;
 /// The recursive sweeps over the links: factorization and solves. The node index of a link is its link index; `world_` is the last node.
 class ClosedSolver {
  public:
-  ClosedSolver(const Mechanism& m, Workspace& ws, ClosedLinks& c) : m_(m), ws_(ws), c_(c), x_(c.over_links_), world_(m.link_count()) {}
+  ClosedSolver(const Mechanism& m, Workspace& ws, ClosedLinks& c)
+      : m_(m), links_(m.places()), ws_(ws), c_(c), x_(c.over_links_), world_(m.link_count()) {}
 
   void update_rows(std::span<const double> q, std::span<const double> v) { update_rows(m_, ws_, c_, q, v); }
   static void update_rows(const Mechanism& m, const Workspace& ws, ClosedLinks& c, std::span<const double> q, std::span<const double> v) {
@@ -70,8 +71,8 @@ class ClosedSolver {
       Vec6& p = ws_.pA[at(node)];
       reduce_at(node, &p);
       const Node& n = x_.nodes[at(node)];
-      const Link& link = m_.link(node);
-      for (int f = link.v_index + link.joint.nv(); f-- > link.v_index;) {
+      const LinkPlace& link = links_[at(node)];
+      for (int f = link.v_index + link.nv; f-- > link.v_index;) {
         const double u = (tau.empty() ? 0.0 : tau[at(f)]) - dot(ws_.S[at(f)], p);
         const double du = ws_.d[at(f)] * u;
         ws_.u[at(f)] = u;
@@ -89,11 +90,11 @@ class ClosedSolver {
     reduce_at(world_, nullptr);
     recover_at(world_, A0);
     for (int node = 0; node < world_; ++node) {
-      const Link& link = m_.link(node);
+      const LinkPlace& link = links_[at(node)];
       const Node& n = x_.nodes[at(node)];
       Vec6 A = link.parent >= 0 ? ws_.A[at(link.parent)] : A0;
       if (with_velocity_products) A += ws_.C[at(node)];
-      for (int f = link.v_index; f < link.v_index + link.joint.nv(); ++f) {
+      for (int f = link.v_index; f < link.v_index + link.nv; ++f) {
         double u = ws_.u[at(f)] - dot(ws_.U[at(f)], A);
         const double* s = s_of(n, link, f);
         for_passing_multipliers(n, [&](int g, int row) { u -= s[row] * c_.lambda_[at(g)]; });
@@ -148,9 +149,9 @@ class ClosedSolver {
   /// Computes the link velocities for the DOF velocities v into ws.A, from the motion subspaces ws.S.
   void sweep_velocity(std::span<const double> v) {
     for (int node = 0; node < world_; ++node) {
-      const Link& link = m_.link(node);
+      const LinkPlace& link = links_[at(node)];
       Vec6 V = link.parent >= 0 ? ws_.A[at(link.parent)] : Vec6{};
-      for (int f = link.v_index; f < link.v_index + link.joint.nv(); ++f) V += ws_.S[at(f)] * v[at(f)];
+      for (int f = link.v_index; f < link.v_index + link.nv; ++f) V += ws_.S[at(f)] * v[at(f)];
       ws_.A[at(node)] = V;
     }
   }
@@ -174,7 +175,9 @@ class ClosedSolver {
     }
   }
 
-  double* s_of(const Node& n, const Link& link, int dof) const { return c_.s_.data() + n.s_row + (dof - link.v_index) * n.passing_rows; }
+  double* s_of(const Node& n, const LinkPlace& link, int dof) const {
+    return c_.s_.data() + n.s_row + (dof - link.v_index) * n.passing_rows;
+  }
   /// rows_at(), first_row(): number of rows and index of the first row of passing loop `passing` at the node.
   int rows_at(const Node& n, int passing) const { return x_.entries[at(x_.present[at(n.present + passing)].entry)].rows; }
   int first_row(const Node& n, int passing) const { return x_.present[at(n.present + passing)].row - n.row; }
@@ -189,7 +192,7 @@ class ClosedSolver {
       ArticulatedInertia& IA = ws_.IA[at(node)];
       eliminate_at(node, &IA);
       if (!pass_joint(node, IA, extra)) return false;
-      if (const int parent = m_.link(node).parent; parent >= 0) add(ws_.IA[at(parent)], IA);
+      if (const int parent = links_[at(node)].parent; parent >= 0) add(ws_.IA[at(parent)], IA);
       const Node& n = x_.nodes[at(node)];
       for (int i = n.present; i < n.present + n.passing_count; ++i) {
         const ClosedStructure::Present& p = x_.present[at(i)];
@@ -228,11 +231,11 @@ class ClosedSolver {
   /// Eliminates the node's DOFs from IA, and from P and Lambda of the loops that pass it. @return false: a pivot is not positive
   bool pass_joint(int node, ArticulatedInertia& IA, std::span<const double> extra) {
     const Node& n = x_.nodes[at(node)];
-    const Link& link = m_.link(node);
-    for (int f = link.v_index + link.joint.nv(); f-- > link.v_index;) {
+    const LinkPlace& link = links_[at(node)];
+    for (int f = link.v_index + link.nv; f-- > link.v_index;) {
       const Vec6& S = ws_.S[at(f)];
       const Vec6 U = IA * S;
-      const double pivot = dot(S, U) + ws_.dofs[at(f)].armature + (extra.empty() ? 0.0 : extra[at(f)]);
+      const double pivot = dot(S, U) + ws_.armature[at(f)] + (extra.empty() ? 0.0 : extra[at(f)]);
       if (!(pivot > 0)) {
         c_.singular_dof_ = f;
         return false;
@@ -413,6 +416,7 @@ class ClosedSolver {
   }
 
   const Mechanism& m_;
+  std::span<const LinkPlace> links_;
   Workspace& ws_;
   ClosedLinks& c_;
   const ClosedStructure& x_;

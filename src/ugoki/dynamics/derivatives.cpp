@@ -121,7 +121,7 @@ void calc_inverse_dynamics_derivatives(const Mechanism& m, Workspace& ws, std::s
       fill_own_joint(ws, link, k, own, force, d);
       const std::size_t end = own + static_cast<std::size_t>(k) + 1;
       for (std::size_t at = start; at < end; ++at) ws.M[at] = dot(ws.S[static_cast<std::size_t>(ws.chain[at])], IS);
-      ws.M[end - 1] += ws.dofs[f].armature;
+      ws.M[end - 1] += ws.armature[f];
     }
     if (link.parent >= 0) {
       const auto parent = static_cast<std::size_t>(link.parent);

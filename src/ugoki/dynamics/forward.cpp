@@ -41,7 +41,7 @@ bool calc_forward_dynamics(const Mechanism& m, Workspace& ws, std::span<const do
       const auto f = static_cast<std::size_t>(link.v_index + k);
       const Vec6& S = ws.S[f];
       ws.U[f] = IA * S;
-      const double pivot = dot(S, ws.U[f]) + ws.dofs[f].armature;
+      const double pivot = dot(S, ws.U[f]) + ws.armature[f];
       if (!(pivot > 0)) return false;
       ws.d[f] = 1.0 / pivot;
       ws.u[f] = tau[f] - dot(S, p);

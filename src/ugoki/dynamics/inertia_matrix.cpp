@@ -19,7 +19,7 @@ void calc_inertia_rows(const Mechanism& m, Workspace& ws) {
       const auto start = static_cast<std::size_t>(ws.row_start[f]);
       const auto last = static_cast<std::size_t>(ws.depth[f]);
       for (std::size_t d = 0; d <= last; ++d) ws.M[start + d] = dot(ws.S[static_cast<std::size_t>(ws.chain[start + d])], F);
-      ws.M[start + last] += ws.dofs[f].armature;
+      ws.M[start + last] += ws.armature[f];
     }
   }
 }

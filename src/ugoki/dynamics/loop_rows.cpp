@@ -211,7 +211,7 @@ void calc_loop_jacobian_row(const Mechanism& m, const Workspace& ws, const Loop&
 void calc_loop_velocity_products(const Mechanism& m, Workspace& ws, std::span<const Loop> loops, const LoopRows& rows,
                                  std::span<double> products) {
   for (std::size_t i = 0; i < ws.A.size(); ++i) {
-    const int parent = m.links()[i].parent;
+    const int parent = m.places()[i].parent;
     ws.A[i] = parent >= 0 ? ws.A[static_cast<std::size_t>(parent)] + ws.C[i] : ws.C[i];
   }
   for (std::size_t i = 0; i < loops.size(); ++i) {

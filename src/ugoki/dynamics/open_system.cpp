@@ -60,7 +60,7 @@ bool OpenSystem::calc_acceleration_jacobian(double t, std::span<const double> q,
 double OpenSystem::calc_energy(std::span<const double> q, std::span<const double> v) {
   update_kinematics(mechanism(), q, v, ws_);
   double energy = kinetic_energy(mechanism(), ws_) + potential_energy(mechanism(), ws_, options_.gravity);
-  for (std::size_t i = 0; i < v.size(); ++i) energy += 0.5 * ws_.dofs[i].armature * v[i] * v[i];
+  for (std::size_t i = 0; i < v.size(); ++i) energy += 0.5 * ws_.armature[i] * v[i] * v[i];
   if (options_.joint_forces_on) {
     const JointForceReport report = calc_joint_forces(mechanism(), q, v, {}, options_.joint_forces, tau_);
     energy += report.spring_energy + report.limit_energy;

@@ -101,7 +101,7 @@ void ClosedSolver::find_responses(LinkResponses& out) const {
   };
   recover(world_, {});
   for (int node = 0; node < world_; ++node) {
-    const Link& link = m_.link(node);
+    const LinkPlace& link = links_[at(node)];
     const Node& n = x_.nodes[at(node)];
     ArticulatedInertia A = link.parent >= 0 ? out.link[at(link.parent)] : ArticulatedInertia{};
     Vec6* const cross = out.cross.data() + n.row;
@@ -111,7 +111,7 @@ void ClosedSolver::find_responses(LinkResponses& out) const {
       for (int k = 0; k < x_.entries[at(p.entry)].rows; ++k)
         cross[p.row - n.row + k] = at_world ? Vec6{} : out.cross[at(x_.present[at(p.parent)].row + k)];
     }
-    for (int f = link.v_index; f < link.v_index + link.joint.nv(); ++f) {
+    for (int f = link.v_index; f < link.v_index + link.nv; ++f) {
       const Vec6 &S = ws_.S[at(f)], &U = ws_.U[at(f)];
       const double d = ws_.d[at(f)];
       const double* s = s_of(n, link, f);

@@ -18,6 +18,7 @@ Workspace::Workspace(const Mechanism& m) : program(m), twins(program) {
   depth.resize(n);
   row_start.resize(n + 1);
   dofs.resize(n);
+  armature.resize(n);
   std::size_t entries = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const int parent = m.dof_parents()[i];
@@ -25,6 +26,7 @@ Workspace::Workspace(const Mechanism& m) : program(m), twins(program) {
     row_start[i] = static_cast<int>(std::min(entries, entry_limit));
     entries += static_cast<std::size_t>(depth[i]) + 1;
     dofs[i] = m.dof(static_cast<int>(i));
+    armature[i] = dofs[i].armature;
   }
   row_start[n] = static_cast<int>(std::min(entries, entry_limit));
   if (entries <= max_initial_entries) make_rows(m);

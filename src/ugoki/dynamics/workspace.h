@@ -46,6 +46,7 @@ struct Workspace {
   std::vector<int> entry_index;  ///< [entries of M] index in M of each entry, in the order in which kernel_inertia.h computes them
   std::vector<int> link_chain;   ///< [links] DOF closest to the link among those that move it; -1: none
   std::vector<Dof> dofs;         ///< [nv] limits, armature and other properties of each DOF
+  std::vector<double> armature;  ///< [nv] kg | kg m^2, armature of each DOF
 
   // Kinematics, computed by update_kinematics(). Spatial quantities are about p0, in world axes, angular part first.
   Vec3 p0;                 ///< m, world: the reference point

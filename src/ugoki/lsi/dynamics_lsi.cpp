@@ -28,6 +28,7 @@ struct Dynamics {
   Stepper& stepper;
   std::vector<dynamics::Workspace> scratch;    // [characters] working memory for pulls
   std::vector<std::vector<Vec6>> external;     // [characters][links] wrenches of pushes and pulls, world
+  std::vector<unsigned char> is_pushed;        // [characters] 1: `external` is not zero in this tick
   std::vector<std::vector<double>> no_torque;  // [characters][nv] zeros
   std::vector<int> torque_wire;                // [characters] index in Call::in; -1: no wire
   std::vector<collision::ContactPoint> contacts;
@@ -62,6 +63,7 @@ std::size_t grips_at(const World& world) { return loops_at(world) + world.charac
 
 void add_wrench(Dynamics& self, const EventRecord& e, const Vec3& p, const Vec3& force) {
   self.external[e.character][static_cast<std::size_t>(e.link)] += Vec6{cross(p, force), force};
+  self.is_pushed[e.character] = 1;
 }
 
 void apply_event(Dynamics& self, const EventRecord& e, const double* state, double dt) {
@@ -104,8 +106,10 @@ std::int32_t step(const Call* call) {
   const double* state = circuit::input(call, in_state);
   double* next = circuit::output(call, out_next);
   std::memcpy(next, state, self.world->state_size() * sizeof(double));
-  for (std::vector<Vec6>& wrenches : self.external)
-    for (Vec6& w : wrenches) w = {};
+  for (std::size_t i = 0; i < self.external.size(); ++i) {
+    if (self.is_pushed[i] != 0) std::ranges::fill(self.external[i], Vec6{});
+    self.is_pushed[i] = 0;
+  }
   for (const EventRecord& e : records<EventRecord>(call->in[in_events])) {
     apply_event(self, e, state, call->tick->dt);
     self.grips.apply(*self.world, self.scratch, e, state);
@@ -124,7 +128,8 @@ std::int32_t step(const Call* call) {
     const int wire = self.torque_wire[i];
     const std::size_t nv = self.no_torque[i].size();
     const double* drive = wire < 0 ? self.no_torque[i].data() : circuit::input(call, static_cast<std::size_t>(wire));
-    contact::StepSystem& system = self.systems[i] = {q_of(c, next), v_of(c, next), {drive, nv}, self.external[i], {}, {}};
+    contact::StepSystem& system = self.systems[i] = {q_of(c, next), v_of(c, next), {drive, nv}, {}, {}, {}};
+    if (self.is_pushed[i] != 0) system.external = self.external[i];
     if (wire >= 0 && call->in_count[wire] == 3 * nv) {
       system.servo_gain = {drive + nv, nv};
       system.servo_velocity = {drive + 2 * nv, nv};
@@ -208,6 +213,7 @@ void* make(Setup& s) {
   for (const Character& c : world->characters()) {
     self->scratch.emplace_back(*c.mechanism);
     self->external.emplace_back(static_cast<std::size_t>(c.mechanism->link_count()));
+    self->is_pushed.push_back(0);
     self->no_torque.emplace_back(static_cast<std::size_t>(c.mechanism->nv()));
     self->torque_wire.push_back(-1);
     self->applied.emplace_back(static_cast<std::size_t>(c.mechanism->nv()));

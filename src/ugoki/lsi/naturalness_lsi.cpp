@@ -74,6 +74,7 @@ int count_feet(Naturalness& self, const void* contacts) {
   for (std::uint8_t& b : self.bears) b = 0;
   int feet = 0;
   for (const ContactRecord& c : records<ContactRecord>(contacts)) {
+    if (c.point.system_a != self.character->index && c.point.system_b != self.character->index) continue;
     const collision::ContactPoint point = self.world->on_ground(c.point, self.character->index);
     if (point.system_a != self.character->index || point.system_b >= 0 || point.distance > touching) continue;
     const int foot = self.foot_of_link[static_cast<std::size_t>(point.link_a)];

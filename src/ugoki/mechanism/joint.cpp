@@ -3,21 +3,8 @@
 namespace ugoki {
 namespace {
 
-struct TypeInfo {
-  std::string_view name;
-  int nq, nv;
-};
-constexpr std::array<TypeInfo, 9> type_table = {{{"fixed", 0, 0},
-                                                 {"revolute", 1, 1},
-                                                 {"prismatic", 1, 1},
-                                                 {"helical", 1, 1},
-                                                 {"cylindrical", 2, 2},
-                                                 {"planar", 3, 3},
-                                                 {"universal", 2, 2},
-                                                 {"spherical", 4, 3},
-                                                 {"floating", 7, 6}}};
-
-const TypeInfo& info(JointType type) { return type_table[static_cast<std::size_t>(type)]; }
+constexpr std::array<std::string_view, 9> type_names = {"fixed",  "revolute",  "prismatic", "helical", "cylindrical",
+                                                        "planar", "universal", "spherical", "floating"};
 
 Quat quat_at(const double* q) { return {q[0], q[1], q[2], q[3]}; }
 void store(const Quat& r, double* q) {
@@ -29,13 +16,11 @@ void store(const Quat& r, double* q) {
 
 }  // namespace
 
-int position_count(JointType type) { return info(type).nq; }
-int velocity_count(JointType type) { return info(type).nv; }
-std::string_view name_of(JointType type) { return info(type).name; }
+std::string_view name_of(JointType type) { return type_names[static_cast<std::size_t>(type)]; }
 
 std::optional<JointType> joint_type_named(std::string_view name) {
-  for (std::size_t i = 0; i < type_table.size(); ++i)
-    if (type_table[i].name == name) return static_cast<JointType>(i);
+  for (std::size_t i = 0; i < type_names.size(); ++i)
+    if (type_names[i] == name) return static_cast<JointType>(i);
   return std::nullopt;
 }
 
@@ -121,33 +106,33 @@ void joint_neutral(const Joint& joint, double* q) {
   if (joint.type == JointType::floating) q[3] = 1;
 }
 
-void joint_integrate(const Joint& joint, const double* q, const double* v, double dt, double* q_out) {
-  switch (joint.type) {
+void joint_integrate(JointType type, const double* q, const double* v, double dt, double* q_out) {
+  switch (type) {
     case JointType::spherical: store(normalized(quat_at(q) * exp_map(Vec3{v[0], v[1], v[2]} * dt)), q_out); return;
     case JointType::floating:
       for (int i = 0; i < 3; ++i) q_out[i] = q[i] + dt * v[3 + i];
       store(normalized(quat_at(q + 3) * exp_map(Vec3{v[0], v[1], v[2]} * dt)), q_out + 3);
       return;
     default:
-      for (int i = 0; i < joint.nv(); ++i) q_out[i] = q[i] + dt * v[i];
+      for (int i = 0; i < velocity_count(type); ++i) q_out[i] = q[i] + dt * v[i];
   }
 }
 
-void joint_difference(const Joint& joint, const double* q0, const double* q1, double* v) {
+void joint_difference(JointType type, const double* q0, const double* q1, double* v) {
   const auto turn = [](const double* a, const double* b, double* w) {
     const Vec3 r = log_map(quat_at(a).conjugate() * quat_at(b));
     w[0] = r.x;
     w[1] = r.y;
     w[2] = r.z;
   };
-  switch (joint.type) {
+  switch (type) {
     case JointType::spherical: turn(q0, q1, v); return;
     case JointType::floating:
       turn(q0 + 3, q1 + 3, v);
       for (int i = 0; i < 3; ++i) v[3 + i] = q1[i] - q0[i];
       return;
     default:
-      for (int i = 0; i < joint.nv(); ++i) v[i] = q1[i] - q0[i];
+      for (int i = 0; i < velocity_count(type); ++i) v[i] = q1[i] - q0[i];
   }
 }
 

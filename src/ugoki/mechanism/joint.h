@@ -16,6 +16,7 @@
 //   floating      7  6  position, quaternion     angular velocity in B, position' in J   translation, rotation
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -27,8 +28,11 @@ namespace ugoki {
 
 enum class JointType : std::uint8_t { fixed, revolute, prismatic, helical, cylindrical, planar, universal, spherical, floating };
 
-[[nodiscard]] int position_count(JointType type);  ///< nq, number of position coordinates
-[[nodiscard]] int velocity_count(JointType type);  ///< nv, number of DOFs
+inline constexpr std::array<std::uint8_t, 9> position_counts = {0, 1, 1, 1, 2, 3, 2, 4, 7}, velocity_counts = {0, 1, 1, 1, 2, 3, 2, 3, 6};
+/// nq, number of position coordinates
+[[nodiscard]] constexpr int position_count(JointType type) { return position_counts[static_cast<std::size_t>(type)]; }
+/// nv, number of DOFs
+[[nodiscard]] constexpr int velocity_count(JointType type) { return velocity_counts[static_cast<std::size_t>(type)]; }
 [[nodiscard]] std::string_view name_of(JointType type);
 [[nodiscard]] std::optional<JointType> joint_type_named(std::string_view name);
 
@@ -71,10 +75,14 @@ int joint_subspace(const Joint& joint, const double* q, Vec6* S);
 void joint_neutral(const Joint& joint, double* q);
 
 /// q_out = q (+) v dt: the exact result of moving for dt [s] at the constant velocity v. q_out may alias q.
-void joint_integrate(const Joint& joint, const double* q, const double* v, double dt, double* q_out);
+void joint_integrate(JointType type, const double* q, const double* v, double dt, double* q_out);
+inline void joint_integrate(const Joint& joint, const double* q, const double* v, double dt, double* q_out) {
+  joint_integrate(joint.type, q, v, dt, q_out);
+}
 
 /// Computes the constant velocity v that leads from q0 to q1 in 1 s: joint_integrate(q0, v, 1) = q1. @param v [nv, out]
-void joint_difference(const Joint& joint, const double* q0, const double* q1, double* v);
+void joint_difference(JointType type, const double* q0, const double* q1, double* v);
+inline void joint_difference(const Joint& joint, const double* q0, const double* q1, double* v) { joint_difference(joint.type, q0, q1, v); }
 
 /// Computes the displacement of each DOF from the neutral position; limits and springs act on it. Angles [rad], distances [m], or
 /// the components of the rotation vector [rad] of a spherical joint; six zeros for a floating joint. @param x [nv, out]

@@ -263,6 +263,7 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
     m->nq_ += to.joint.nq();
     m->nv_ += to.joint.nv();
     m->mass_ += to.inertia.mass;
+    m->places_.push_back({to.parent, to.q_index, to.v_index, to.joint.type, static_cast<std::uint8_t>(to.joint.nv())});
   }
   for (std::size_t i = n; i-- > 0;) {  // backwards, so that siblings are linked in the order of links
     Link& l = m->links_[i];

@@ -32,13 +32,13 @@ void calc_velocities(const Mechanism& m, std::span<const double> q, std::span<co
 }
 
 void integrate(const Mechanism& m, std::span<const double> q, std::span<const double> v, double dt, std::span<double> q_out) {
-  for (const Link& link : m.links())
-    joint_integrate(link.joint, q.data() + link.q_index, v.data() + link.v_index, dt, q_out.data() + link.q_index);
+  for (const LinkPlace& link : m.places())
+    joint_integrate(link.type, q.data() + link.q_index, v.data() + link.v_index, dt, q_out.data() + link.q_index);
 }
 
 void difference(const Mechanism& m, std::span<const double> q0, std::span<const double> q1, std::span<double> v) {
-  for (const Link& link : m.links())
-    joint_difference(link.joint, q0.data() + link.q_index, q1.data() + link.q_index, v.data() + link.v_index);
+  for (const LinkPlace& link : m.places())
+    joint_difference(link.type, q0.data() + link.q_index, q1.data() + link.q_index, v.data() + link.v_index);
 }
 
 void interpolate(const Mechanism& m, std::span<const double> q0, std::span<const double> q1, double s, std::span<double> q_out) {
