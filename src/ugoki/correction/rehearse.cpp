@@ -93,7 +93,7 @@ class Rehearsal {
         return fail(ErrorCode::cancelled, "", "The correction was cancelled.");
       tree.push_back(sample_window(w, tree.back()));
       if (tree.back().empty() || tree.back().front().lost)
-        return fail(ErrorCode::range, where, "The body loses the motion after " + to_text(reached) + " s.",
+        return fail(ErrorCode::range, where, "The body loses the motion after " + to_fixed(reached, 1) + " s.",
                     "Make the motion slower there, give it more support, or use more samples.");
       reached = (w + 1) * window;
     }
