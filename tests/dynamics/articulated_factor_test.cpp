@@ -213,7 +213,7 @@ TEST(ArticulatedFactor, NamesTheDofThatMovesNoInertia) {
   Workspace ws(*m);
   const State s(*m);
   update_kinematics(*m, s.q, s.v, ws);
-  ws.dofs[1].armature = 0;
+  ws.armature[1] = 0;
   ArticulatedFactor factor(*m);
   EXPECT_EQ(factor.factor(ws, {}), 1);
   const std::vector<double> extra = {0, 0.5};

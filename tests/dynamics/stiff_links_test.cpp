@@ -79,7 +79,7 @@ TEST(StiffLinks, SolutionSatisfiesItsEquations) {
       size = std::max({size, norm(stiff.w), norm(stiff.v)});
       EXPECT_NEAR(norm(c.ws.A[i].v - V[i].v), 0, 1e-10 * (1 + norm(V[i].v))) << "velocity change of link " << i;
     }
-    for (std::size_t k = 0; k < n; ++k) F[k] = (c.ws.dofs[k].armature + c.extra[k]) * x[k] - r[k];
+    for (std::size_t k = 0; k < n; ++k) F[k] = (c.ws.armature[k] + c.extra[k]) * x[k] - r[k];
     for (std::size_t i = 0; i < count; ++i)
       for (const int k : chain_of_link(c.ws, static_cast<int>(i)))
         F[static_cast<std::size_t>(k)] += dot(c.ws.S[static_cast<std::size_t>(k)], f[i]);
