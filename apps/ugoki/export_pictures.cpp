@@ -4,21 +4,15 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <condition_variable>
 #include <csignal>
-#include <deque>
 #include <filesystem>
-#include <map>
-#include <mutex>
 #include <thread>
 
 #include "child.h"
 #include "export.h"
 #include "output.h"
-#include "packed_picture.h"
-#include "picture_run.h"
+#include "picture_receiver.h"
 #include "ugoki/base/number.h"
 #include "ugoki/content/inputs.h"
 #include "ugoki/content/mechanism_display.h"
@@ -27,7 +21,6 @@
 #include "ugoki/publish/page.h"
 #include "ugoki/publish/parts.h"
 #include "ugoki/studio/launch_page.h"
-#include "ugoki/studio/security.h"
 #include "ugoki/studio/server.h"
 
 namespace ugoki::cli {
@@ -62,157 +55,6 @@ Result<std::string> find_browser(const std::string& given, bool graphics_process
 std::string page_word(const std::string& browser, const std::string& address) {
   return fs::path(browser).filename().string().contains("headless-shell") ? address : "--app=" + address;
 }
-
-/// Answers the pages that draw. A page requests frames ("frame N": the frame after N steps) and sends pictures: PNG files as requests, and
-/// pixels for videos as WebSocket messages. (A browser copies the body of each request into memory that is new each time.)
-class Receiver final : public studio::ServerEvents {
- public:
-  struct Picture {
-    std::string png, raw;
-  };
-
-  /// @param settings of all pages, JSON @param pages number of pages; page k draws the pictures k, k + pages, k + 2 pages ...
-  /// @param raw_size number of bytes of the pixels of a picture
-  /// @param packed_row number of bytes of a row if pages pack the pixels (packed_picture.h); 0: they do not
-  /// @param converter bytes of ugoki_planar.wasm
-  Receiver(HostedPlayer hosted, Json settings, std::string converter, int pages, std::size_t raw_size, std::size_t packed_row)
-      : settings_(std::move(settings)),
-        converter_(std::move(converter)),
-        pages_(pages),
-        raw_size_(raw_size),
-        packed_row_(packed_row),
-        run_(std::move(hosted), pages, [this](std::string failure) { set_failure(std::move(failure)); }) {}
-
-  /// Sets where pages receive answers, and starts the run; to be called before a page connects. @param outbox must outlive the receiver
-  void answer_by(studio::Outbox& outbox) {
-    outbox_ = &outbox;
-    run_.start(outbox);
-  }
-
-  void on_api(studio::ApiRequest request, std::function<void(studio::ApiReply)> answer) override {
-    if (request.path == "/api/pictures") {
-      Json settings = settings_;
-      settings["first"] = next_page_++ % pages_;
-      settings["stride"] = pages_;
-      return answer({200, json::to_text(settings)});
-    }
-    if (request.path == "/api/converter") return answer({200, converter_, "application/wasm"});
-    if (request.path == "/api/picture") {
-      const std::optional<long> number = parse_long(studio::query_value(request.query, "number").value_or(""));
-      if (!number) return answer({400, "{}"});
-      {
-        const std::lock_guard lock(mutex_);
-        arrived_[static_cast<int>(*number)].png = std::move(request.body);
-        answers_.emplace(static_cast<int>(*number), std::move(answer));
-      }
-      return changed_.notify_all();
-    }
-    if (request.path == "/api/failed") {
-      set_failure(request.body.substr(0, 2000));
-      return answer({200, "{}"});
-    }
-    answer({404, "{}"});
-  }
-  /// The request of a frame, or number and number of bytes of the picture whose pixels follow as binary messages.
-  void on_message(studio::ClientId client, std::string text, std::function<void()> done) override {
-    constexpr std::string_view frame = "frame ";
-    if (text.starts_with(frame)) {
-      if (const std::optional<long> step = parse_long(text.substr(frame.size())); step && *step >= 0)
-        run_.request(client, static_cast<std::uint64_t>(*step));
-    } else if (const std::size_t space = text.find(' '); space != std::string::npos) {
-      const std::optional<long> number = parse_long(text.substr(0, space)), size = parse_long(text.substr(space + 1));
-      const std::size_t largest = raw_size_ + raw_size_ / 100'000 + 16;  // of ugoki_pack()
-      if (!number || !size || *size <= 0 || static_cast<std::size_t>(*size) > largest) {
-        set_failure("The page has sent a picture of another size.");
-      } else {
-        const std::lock_guard lock(mutex_);
-        arriving_[client] = {static_cast<int>(*number), static_cast<std::size_t>(*size), {}};
-      }
-    }
-    done();
-  }
-  void on_bytes(studio::ClientId client, std::string bytes, std::function<void()> done) override {
-    {
-      const std::lock_guard lock(mutex_);
-      Pixels& pixels = arriving_[client];
-      pixels.bytes += bytes;
-      if (pixels.bytes.size() >= pixels.size) {
-        std::string raw = packed_row_ > 0 ? unpacked_picture(pixels.bytes, packed_row_, raw_size_) : std::move(pixels.bytes);
-        if (raw.size() != raw_size_) failure_ = "The page has sent a picture of another size.";
-        arrived_[pixels.number].raw = std::move(raw);
-        senders_[pixels.number] = client;
-        arriving_.erase(client);
-      }
-    }
-    changed_.notify_all();
-    done();
-  }
-  void on_close(studio::ClientId) override {}
-
-  /// Waits for the picture `number` for at most `seconds`. @return whether it has arrived with all wanted forms
-  bool wait(int number, bool png, bool raw, double seconds, Picture& out) {
-    std::unique_lock lock(mutex_);
-    const auto complete = [&] {
-      const auto found = arrived_.find(number);
-      return !failure_.empty() || (found != arrived_.end() && (!png || !found->second.png.empty()) && (!raw || !found->second.raw.empty()));
-    };
-    if (!changed_.wait_for(lock, std::chrono::duration<double>(seconds), complete) || !failure_.empty()) return false;
-    out = std::move(arrived_[number]);
-    arrived_.erase(number);
-    return true;
-  }
-  /// Answers the page's requests with this picture, so that the page sends further pictures.
-  void done(int number) {
-    std::vector<std::function<void(studio::ApiReply)>> answers;
-    std::optional<studio::ClientId> sender;
-    {
-      const std::lock_guard lock(mutex_);
-      if (const auto found = senders_.find(number); found != senders_.end()) {
-        sender = found->second;
-        senders_.erase(found);
-      }
-      const auto [begin, end] = answers_.equal_range(number);
-      for (auto i = begin; i != end; ++i) answers.push_back(std::move(i->second));
-      answers_.erase(begin, end);
-    }
-    for (const auto& answer : answers) answer({200, "{}"});
-    if (sender) outbox_->send(*sender, std::to_string(number));
-  }
-  std::string failure() {
-    const std::lock_guard lock(mutex_);
-    return failure_;
-  }
-
- private:
-  struct Pixels {
-    int number = -1;
-    std::size_t size = 0;  ///< bytes, when all have arrived
-    std::string bytes;
-  };
-
-  void set_failure(std::string failure) {
-    {
-      const std::lock_guard lock(mutex_);
-      failure_ = std::move(failure);
-    }
-    changed_.notify_all();
-  }
-
-  const Json settings_;
-  const std::string converter_;
-  const int pages_;
-  const std::size_t raw_size_, packed_row_;
-  studio::Outbox* outbox_ = nullptr;
-  std::atomic<int> next_page_ = 0;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::map<studio::ClientId, Pixels> arriving_;  // pictures of which a part has arrived
-  std::map<int, Picture> arrived_;
-  std::map<int, studio::ClientId> senders_;  // of pixels that have arrived
-  std::multimap<int, std::function<void(studio::ApiReply)>> answers_;
-  std::string failure_;
-  PictureRun run_;  // last, because it calls set_failure()
-};
 
 /// Returns the file name of picture `number`: "%d" or "%04d" in the pattern is replaced.
 std::string numbered(const std::string& pattern, int number) {
@@ -432,9 +274,9 @@ class Videos {
 };
 
 /// Waits for a picture, until it has arrived or drawing has failed.
-Result<Receiver::Picture> next_picture(Receiver& receiver, int number, const Plan& plan, bool png, const Children& drawing,
-                                       const std::string& browser, const fs::path& log) {
-  Receiver::Picture picture;
+Result<PictureReceiver::Picture> next_picture(PictureReceiver& receiver, int number, const Plan& plan, bool png, const Children& drawing,
+                                              const std::string& browser, const fs::path& log) {
+  PictureReceiver::Picture picture;
   double waited = 0;
   while (!receiver.wait(number, png, plan.videos, 0.2, picture)) {
     waited += 0.2;
@@ -500,8 +342,8 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   std::signal(SIGPIPE, SIG_IGN);
   const int browsers = browser_count(plan->count, graphics_processor);
   const std::size_t pixel_count = static_cast<std::size_t>(o.width) * static_cast<std::size_t>(o.height);
-  Receiver receiver(std::move(*hosted), std::move(*settings), std::move(converter), browsers,
-                    plan->planar ? pixel_count * 3 / 2 : pixel_count * 4, plan->planar ? static_cast<std::size_t>(o.width) : 0);
+  PictureReceiver receiver(std::move(*hosted), std::move(*settings), std::move(converter), browsers,
+                           plan->planar ? pixel_count * 3 / 2 : pixel_count * 4, plan->planar ? static_cast<std::size_t>(o.width) : 0);
   studio::ServerOptions server_options;
   server_options.page = *filled;
   server_options.binary_messages = true;
@@ -519,7 +361,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   std::vector<std::string> written;
   Progress progress("pictures of " + name);
   for (int i = 0; i < plan->count; ++i) {
-    const Result<Receiver::Picture> picture = next_picture(receiver, i, *plan, png, *drawing, *browser, log);
+    const Result<PictureReceiver::Picture> picture = next_picture(receiver, i, *plan, png, *drawing, *browser, log);
     if (!picture) return fail(picture.error());
     if (png) {
       written.push_back(pictures[static_cast<std::size_t>(i)]);
