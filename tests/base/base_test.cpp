@@ -8,7 +8,6 @@
 
 #include "ugoki/base/check.h"
 #include "ugoki/base/hash.h"
-#include "ugoki/base/loan_pool.h"
 #include "ugoki/base/number.h"
 #include "ugoki/base/printable.h"
 #include "ugoki/base/result.h"
@@ -156,21 +155,6 @@ TEST(CheckDeathTest, PrintsTheFailedConditionAndAborts) {
   testing::FLAGS_gtest_death_test_style = "threadsafe";
   EXPECT_DEATH(UGOKI_CHECK(1 + 1 == 3), "check failed: 1 \\+ 1 == 3");
   UGOKI_CHECK(1 + 1 == 2);
-}
-
-TEST(LoanPool, LendsTheObjectThatWasReturnedLast) {
-  int made = 0;
-  LoanPool<int> pool([&] { return std::make_unique<int>(made++); });
-  {
-    const auto a = pool.take(), b = pool.take();  // returned in the opposite order
-    EXPECT_EQ(*a, 0);
-    EXPECT_EQ(*b, 1);
-  }
-  const auto last = pool.take();
-  EXPECT_EQ(*last, 0);
-  const auto next = pool.take();
-  EXPECT_EQ(*next, 1);
-  EXPECT_EQ(made, 2);
 }
 
 // FIPS 180-4, examples of the standard's test vectors.

@@ -81,7 +81,7 @@ TEST(MotionControl, StandsOnItsOwnFeet) {
   EXPECT_NEAR(s.state.q[2], 0.91, 0.005);
 }
 
-// All controllers of a mechanism share their scratch memory.
+// Controllers of a mechanism do not affect each other.
 TEST(MotionControl, OtherCharactersOfTheMechanismHaveNoEffect) {
   Simulation alone, one, other({}, {1, 2, 0, 0.5});
   other.m = one.m;

@@ -65,6 +65,7 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
   moved_.resize(views_.size());
   may_pass_.resize(views_.size());
   half_thickness_.assign(size_.size(), HUGE_VAL);
+  speeds_.resize(size_.size());
   motions_.resize(views_.size());
   first_link_ = {0};
   for (const auto& poses : end_.X_WB) first_link_.push_back(first_link_.back() + poses.size());
@@ -214,11 +215,10 @@ StepReport GuardedStep::step_whole(std::span<StepSystem> systems, std::span<cons
 
 /// Whether a link of the system may pass through another: it moves by more than its half thickness. The motion is estimated from the
 /// velocities of the links at the beginning, plus a quarter for links that accelerate within the step.
-bool GuardedStep::may_pass(std::size_t s, std::span<const double> v, double dt) const {
-  thread_local std::vector<Vec6> speeds;  // [links] rad/s, m/s, world: spatial velocities
+bool GuardedStep::may_pass(std::size_t s, std::span<const double> v, double dt) {
+  Vec6* const speeds = speeds_.data() + first_link_[s];
   const dynamics::Workspace& ws = stepper_->workspace(static_cast<int>(s));
   const std::span<const LinkPlace> links = stepper_->mechanism(static_cast<int>(s)).places();
-  if (speeds.size() < links.size()) speeds.resize(links.size());
   std::size_t at = first_link_[s];
   for (std::size_t i = 0; i < links.size(); ++i, ++at) {
     const LinkPlace& link = links[i];

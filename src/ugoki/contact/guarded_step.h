@@ -74,7 +74,7 @@ class GuardedStep {
   void share_end();
   void set_end(std::size_t s, std::span<const double> q);
   void update_end_poses(std::span<const StepSystem> systems, double dt);
-  [[nodiscard]] bool may_pass(std::size_t s, std::span<const double> v, double dt) const;
+  [[nodiscard]] bool may_pass(std::size_t s, std::span<const double> v, double dt);
   bool add_overlaps(std::span<const collision::ContactPoint> given, double dt);
 
   const collision::Scene* scene_;
@@ -90,6 +90,7 @@ class GuardedStep {
   std::vector<std::span<const Pose>> views_;  // views of the poses in end_
   std::vector<std::size_t> first_link_;       // [systems + 1] index in size_ of each system's first link
   std::vector<double> size_;                  // m [links of all systems] radius about the link's origin that contains all its shapes
+  std::vector<Vec6> speeds_;                  // [links of all systems] rad/s, m/s, world: spatial velocity of each link
   std::vector<char> moved_;                   // [systems] 1: a point moved by more than GuardOptions::depth in this pass
   std::vector<char> may_pass_;                // [systems] result of may_pass() for this pass
   std::vector<double> half_thickness_;        // m [links of all systems] half thickness of the link's thinnest shape

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <mutex>
 
 #include "ugoki/base/check.h"
 #include "ugoki/dynamics/centroidal.h"
@@ -38,24 +36,10 @@ double lowest_point(const Shape& s, const Pose& X_WB) {
 MotionControl::Scratch::Scratch(const Mechanism& m)
     : workspace(m), reference(m), reference_known(static_cast<std::size_t>(m.link_count())), problem(max_supports) {}
 
-std::shared_ptr<MotionControl::ScratchPool> MotionControl::pool_of(const MechanismPtr& mechanism) {
-  static std::mutex mutex;
-  static std::map<const Mechanism*, std::weak_ptr<ScratchPool>> pools;
-  const std::lock_guard lock(mutex);
-  std::erase_if(pools, [](const auto& entry) { return entry.second.expired(); });
-  std::weak_ptr<ScratchPool>& known = pools[mechanism.get()];
-  std::shared_ptr<ScratchPool> pool = known.lock();
-  if (!pool) {  // the pool keeps the mechanism, so that no other one has its address
-    pool = std::make_shared<ScratchPool>([mechanism] { return std::make_unique<Scratch>(*mechanism); });
-    known = pool;
-  }
-  return pool;
-}
-
 MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& options)
     : mechanism_(std::move(mechanism)),
       options_(options),
-      scratch_(pool_of(mechanism_)),
+      scratch_(*mechanism_),
       loop_drives_(*mechanism_, drive_strengths(*mechanism_, options.gravity)) {
   const Mechanism& m = *mechanism_;
   wanted_.resize(static_cast<std::size_t>(m.nv()));
@@ -119,7 +103,8 @@ void MotionControl::predict_undriven(const ControlInput& in, std::span<double> t
   dynamics::calc_inverse_dynamics(*mechanism_, ws, wanted_, options_.gravity, {}, tau);
 }
 
-void MotionControl::find_supports(const ControlInput& in, const Vec3& shift, Scratch& scratch) {
+void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
+  Scratch& scratch = scratch_;
   const Mechanism& m = *mechanism_;
   const dynamics::Workspace& ws = scratch.workspace;
   dynamics::Workspace& reference = scratch.reference;
@@ -208,14 +193,8 @@ void MotionControl::update_shift(const ControlInput& in, std::span<const Vec3> f
 
 ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, std::span<double> tau, std::span<double> servo_gain,
                                   std::span<double> servo_velocity) {
-  const ScratchPool::Loan scratch = scratch_->take();
-  return step(in, state, tau, servo_gain, servo_velocity, *scratch);
-}
-
-ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, std::span<double> tau, std::span<double> servo_gain,
-                                  std::span<double> servo_velocity, Scratch& scratch) {
   const Mechanism& m = *mechanism_;
-  dynamics::Workspace& ws = scratch.workspace;
+  dynamics::Workspace& ws = scratch_.workspace;
   const std::size_t n = wanted_.size();
   UGOKI_CHECK(tau.size() == n && in.q_ref.size() == in.q.size() && in.v_ref.size() == n && in.a_ref.size() == n);
   ControlOutput out;
@@ -229,7 +208,7 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
   const Vec3 from_reference = floating_ ? Vec3{in.q[0] - in.q_ref[0], in.q[1] - in.q_ref[1], in.q[2] - in.q_ref[2]} : Vec3{};
   lost_ =
       floating_ ? std::clamp((calc_departure(in, from_reference, state.shift) - options_.lost_from) / options_.lost_range, 0.0, 1.0) : 0;
-  find_supports(in, {state.shift[0], state.shift[1], state.shift[2]}, scratch);
+  find_supports(in, {state.shift[0], state.shift[1], state.shift[2]});
 
   // 1. Wanted accelerations, from the errors predicted for the end of the step (stable PD). The root and the joints between root and
   // supports share one gain: feet on the ground couple these DOFs, and unequal gains on coupled DOFs are unstable.
@@ -256,7 +235,7 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
   // 3. Contact forces
   if (floating_) {
     const std::span<Vec3> forces(forces_.data(), supports_.size());
-    out.wanted = scratch.problem.solve(supports_, ws.p0, ws.F[0], lever_, 1e-4, forces);
+    out.wanted = scratch_.problem.solve(supports_, ws.p0, ws.F[0], lever_, 1e-4, forces);
     // 4. Free fall: the weight that neither the ground nor an assist below one body weight can carry
     const Vec3 ahead{in.q[0] - in.q_ref[0], in.q[1] - in.q_ref[1], in.q[2] - in.q_ref[2]};
     Vec3 gravity = options_.gravity;

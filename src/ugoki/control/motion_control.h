@@ -15,11 +15,9 @@
 //   6. If the character has fallen or lost its reference on the average over `patience`, control is released: from then on there is no
 //      drive torque and no assist, and the character is a ragdoll.
 
-#include <memory>
 #include <span>
 #include <vector>
 
-#include "ugoki/base/loan_pool.h"
 #include "ugoki/collision/contact_point.h"
 #include "ugoki/control/contact_forces.h"
 #include "ugoki/control/loop_drives.h"
@@ -109,7 +107,7 @@ class MotionControl {
   }
 
  private:
-  /// Memory of one tick. All controllers of a mechanism share it, so that it stays in the processor's cache from character to character.
+  /// Memory of one tick.
   struct Scratch {
     explicit Scratch(const Mechanism& m);
     dynamics::Workspace workspace;      // at the present state
@@ -117,14 +115,11 @@ class MotionControl {
     std::vector<char> reference_known;  // [links] not 0: `reference` contains the link
     ContactForceProblem problem;
   };
-  using ScratchPool = LoanPool<Scratch>;
-  /// Returns the pool of all controllers of this mechanism.
-  static std::shared_ptr<ScratchPool> pool_of(const MechanismPtr& mechanism);
 
   MechanismPtr mechanism_;
   ControlOptions options_;
   /// Sets supports_ to the contacts that can bear load: planted in the reference and closed in the present state.
-  void find_supports(const ControlInput& input, const Vec3& shift, Scratch& scratch);
+  void find_supports(const ControlInput& input, const Vec3& shift);
   /// Replaces the wanted accelerations of the joints without a drive (effort 0) and outside of loops by those that their springs and
   /// dampers will cause, and recomputes the torques. The other joints keep their wanted accelerations.
   void predict_undriven(const ControlInput& input, std::span<double> tau, dynamics::Workspace& ws);
@@ -147,10 +142,7 @@ class MotionControl {
   /// @param ahead m, world: actual minus reference position of the root
   [[nodiscard]] double calc_departure(const ControlInput& in, const Vec3& ahead, const double (&shift)[3]) const;
 
-  ControlOutput step(const ControlInput& input, ControlState& state, std::span<double> tau, std::span<double> servo_gain,
-                     std::span<double> servo_velocity, Scratch& scratch);
-
-  std::shared_ptr<ScratchPool> scratch_;
+  Scratch scratch_;
   Mat3 rest_root_ = Mat3::identity();  // orientation of the root link in the neutral position
   double lever_ = 1;
   double weight_ = 0;  // N

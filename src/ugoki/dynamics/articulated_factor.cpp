@@ -17,34 +17,13 @@ inline double product(const double* a, const double* b) {
   return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]);
 }
 
-/// Symmetric 6 x 6 matrix, row by row.
-struct Inertia6 {
-  double x[36];
-};
-
-/// Scratch memory of the recursions; see ArticulatedFactor.
-thread_local std::vector<Inertia6> inertia_scratch;
-thread_local std::vector<double> sweep_scratch;
-
-/// [count] articulated-body inertias during factor().
-Inertia6* inertias(std::size_t count) {
-  if (inertia_scratch.size() < count) inertia_scratch.resize(count);
-  return inertia_scratch.data();
-}
-
-/// [n][6] forces or accelerations of n DOFs during a recursion.
-double* sweep(std::size_t n) {
-  if (sweep_scratch.size() < 6 * n) sweep_scratch.resize(6 * n);
-  return sweep_scratch.data();
-}
-
 }  // namespace
 
 ArticulatedFactor::ArticulatedFactor(const Mechanism& m) {
   const auto n = static_cast<std::size_t>(m.nv());
   if (FreeBodyFactor::applies_to(m)) body_.emplace(m);
   dofs_.resize(n);
-  (void)sweep(n);
+  sweep_.resize(6 * n);
   std::vector<int> moved_by(static_cast<std::size_t>(m.link_count()), -1);
   std::vector<int> count(n + 1, 0);
   for (int i = 0; i < m.link_count(); ++i) {
@@ -73,7 +52,7 @@ ArticulatedFactor::ArticulatedFactor(const Mechanism& m) {
     const auto parent = static_cast<std::size_t>(dofs_[k].parent);
     if (children[parent] == 1 && count[parent] == count[parent + 1]) inertia_of_[parent] = inertia_of_[k];
   }
-  (void)inertias(inertia_dof_.size());
+  IA_.resize(inertia_dof_.size());
   first_link_ = count;
   links_.resize(static_cast<std::size_t>(count[n]));
   for (int i = 0; i < m.link_count(); ++i)
@@ -86,11 +65,10 @@ int ArticulatedFactor::factor(const Workspace& ws, std::span<const double> extra
   UGOKI_CHECK(ws.S.size() == n && (extra.empty() || extra.size() == n));
   closed_form_ = body_ && std::ranges::all_of(extra, [](double x) { return x == 0; });
   if (closed_form_) return body_->factor(ws);
-  Inertia6* const IA = inertias(inertia_dof_.size());
-  for (std::size_t shared = 0; shared < inertia_dof_.size(); ++shared) {
+  for (std::size_t shared = 0; shared < IA_.size(); ++shared) {
     const auto k = static_cast<std::size_t>(inertia_dof_[shared]);
-    double* const A = IA[shared].x;
-    std::memset(A, 0, sizeof IA[shared].x);
+    double* const A = IA_[shared].x;
+    std::memset(A, 0, sizeof IA_[shared].x);
     for (int l = first_link_[k]; l < first_link_[k + 1]; ++l) {
       const Inertia& I = ws.I[static_cast<std::size_t>(links_[static_cast<std::size_t>(l)])];
       A[0] += I.I.xx;
@@ -117,7 +95,7 @@ int ArticulatedFactor::factor(const Workspace& ws, std::span<const double> extra
   }
   for (std::size_t k = n; k-- > 0;) {
     Dof& dof = dofs_[k];
-    double* const A = IA[static_cast<std::size_t>(inertia_of_[k])].x;
+    double* const A = IA_[static_cast<std::size_t>(inertia_of_[k])].x;
     const Vec6& S = ws.S[k];
     const double s[6] = {S.w.x, S.w.y, S.w.z, S.v.x, S.v.y, S.v.z};
     double u[6];
@@ -132,7 +110,7 @@ int ArticulatedFactor::factor(const Workspace& ws, std::span<const double> extra
     std::memcpy(dof.S, s, sizeof s);
     std::memcpy(dof.U, u, sizeof u);
     if (dof.parent < 0) continue;
-    double* const up = IA[static_cast<std::size_t>(inertia_of_[static_cast<std::size_t>(dof.parent)])].x;
+    double* const up = IA_[static_cast<std::size_t>(inertia_of_[static_cast<std::size_t>(dof.parent)])].x;
     if (up == A) {
       for (int i = 0; i < 6; ++i) {
         const double t = u[i] * dof.inverse;
@@ -152,7 +130,7 @@ void ArticulatedFactor::solve(std::span<double> x) const {
   if (closed_form_) return body_->solve(x);
   const std::size_t n = dofs_.size();
   UGOKI_CHECK(x.size() == n);
-  double* const at = sweep(n);
+  double* const at = sweep_.data();
   std::memset(at, 0, 6 * n * sizeof(double));
   for (std::size_t k = n; k-- > 0;) {
     const Dof& dof = dofs_[k];
@@ -209,7 +187,7 @@ void ArticulatedFactor::add_whitened(std::span<const double> w, std::span<double
   if (closed_form_) return body_->add_whitened(w, v);
   const std::size_t n = dofs_.size();
   UGOKI_CHECK(w.size() == n && v.size() == n);
-  double* const at = sweep(n);
+  double* const at = sweep_.data();
   for (std::size_t k = 0; k < n; ++k) {
     const Dof& dof = dofs_[k];
     double* const a = at + 6 * k;
@@ -229,7 +207,7 @@ void ArticulatedFactor::whiten_velocity(std::span<const double> v, std::span<dou
   if (closed_form_) return body_->whiten_velocity(v, w);
   const std::size_t n = dofs_.size();
   UGOKI_CHECK(w.size() == n && v.size() == n);
-  double* const at = sweep(n);
+  double* const at = sweep_.data();
   for (std::size_t k = 0; k < n; ++k) {
     const Dof& dof = dofs_[k];
     double* const a = at + 6 * k;

@@ -20,8 +20,7 @@
 
 namespace ugoki::dynamics {
 
-/// Factor of the inertia matrix by articulated bodies. O(nv) memory. All factors of a thread share the scratch memory of their recursions,
-/// so that it stays in the processor's cache from one system to the next. Calls allocate only where a thread sees its largest system yet.
+/// Factor of the inertia matrix by articulated bodies. Allocates in its constructor only. O(nv) memory.
 class ArticulatedFactor {
  public:
   explicit ArticulatedFactor(const Mechanism& m);
@@ -62,13 +61,18 @@ class ArticulatedFactor {
     int parent;                   // parent DOF; -1: base
     int depth;                    // number of ancestors
   };
+  struct Inertia6 {
+    double x[36];  // symmetric matrix, row by row
+  };
   std::vector<Dof> dofs_;
   std::vector<int> first_link_, links_;  // links rigidly attached to each DOF: links_[first_link_[k]] to links_[first_link_[k + 1] - 1]
   // A DOF that no link is attached to and that has one child, for example within a floating joint, shares the inertia of the child.
-  std::vector<int> inertia_of_;         // [nv] index of the articulated-body inertia of each DOF
-  std::vector<int> inertia_dof_;        // [shared] DOF closest to the tips that uses the inertia
+  std::vector<Inertia6> IA_;           // [shared] articulated-body inertias
+  std::vector<int> inertia_of_;        // [nv] index in IA_ of each DOF
+  std::vector<int> inertia_dof_;       // [shared] DOF closest to the tips that uses the inertia
   std::optional<FreeBodyFactor> body_;  // empty: not one free body
   bool closed_form_ = false;            // the last factor is that of body_: nothing was added to the diagonal
+  mutable std::vector<double> sweep_;  // [nv * 6] forces or accelerations during a recursion
 };
 
 }  // namespace ugoki::dynamics
