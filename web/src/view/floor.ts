@@ -95,7 +95,7 @@ void main() {
 }`;
 
 const ground_patterns = ['grid', 'plain', 'checker', 'boards'];
-const rings = 24; // of the disc: its colour is exact at their edges and linear between them
+const ring_count = 24; // of the disc: its colour is exact at their edges and linear between them
 const max_patches = 256; // if more bodies cast shadows, one patch covers all of them
 
 /** A rectangle of the floor, m. */
@@ -151,6 +151,8 @@ export class Floor {
   };
   private readonly disc: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>;
   private readonly patches: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>;
+  private readonly rings = new THREE.RingGeometry(0, 1, 48, ring_count);
+  private readonly whole = new THREE.CircleGeometry(1, 48);
   private has_lines = true;
   private readonly corners = new THREE.BufferAttribute(new Float32Array(18 * max_patches), 3).setUsage(THREE.DynamicDrawUsage);
 
@@ -161,7 +163,7 @@ export class Floor {
       new THREE.ShaderMaterial({ uniforms: this.uniforms, vertexShader: vertex_shader, fragmentShader: fragment_shader, lights: true, ...more, defines: { PATTERN: 0, ...more.defines } });
     // The patches are drawn first. The disc is moved back by the smallest visible depth, so that it does not cover them.
     this.patches = new THREE.Mesh(new THREE.BufferGeometry().setAttribute('position', this.corners), material({ defines: { PATCH: '' } }));
-    this.disc = new THREE.Mesh(new THREE.RingGeometry(0, 1, 64, rings), material({ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 }));
+    this.disc = new THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>(this.rings, material({ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 }));
     this.patches.receiveShadow = true;
     for (const [order, mesh] of [this.patches, this.disc].entries()) {
       mesh.frustumCulled = false;
@@ -219,10 +221,10 @@ export class Floor {
 
   /** True: the floor is drawn into the depth buffer only, before the bodies, so that it hides the parts of bodies below it. */
   set_depth_only(on: boolean): void {
-    for (const [order, mesh] of [this.patches, this.disc].entries()) {
-      mesh.material.colorWrite = !on;
-      mesh.renderOrder = order + (on ? -2 : 1);
-    }
+    this.disc.material.colorWrite = !on;
+    this.disc.renderOrder = on ? -1 : 2;
+    this.disc.geometry = on ? this.whole : this.rings; // without colours, no rings are needed
+    this.patches.visible = !on;
     this.lines.mesh.visible = this.has_lines && !on;
   }
 
