@@ -221,10 +221,11 @@ export class Floor {
 
   /** True: the floor is drawn into the depth buffer only, before the bodies, so that it hides the parts of bodies below it. */
   set_depth_only(on: boolean): void {
-    this.disc.material.colorWrite = !on;
-    this.disc.renderOrder = on ? -1 : 2;
+    for (const [order, mesh] of [this.patches, this.disc].entries()) {
+      mesh.material.colorWrite = !on;
+      mesh.renderOrder = order + (on ? -2 : 1);
+    }
     this.disc.geometry = on ? this.whole : this.rings; // without colours, no rings are needed
-    this.patches.visible = !on;
     this.lines.mesh.visible = this.has_lines && !on;
   }
 
