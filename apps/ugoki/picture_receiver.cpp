@@ -1,6 +1,7 @@
 #include "picture_receiver.h"
 
 #include <chrono>
+#include <optional>
 #include <utility>
 #include <vector>
 

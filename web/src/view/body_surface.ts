@@ -7,7 +7,7 @@ import { BodyField, bind_poses, is_body } from './body_field';
 export interface BodySurface {
   /** Attributes position and normal (bind pose), skinIndex (links) and skinWeight. The draw range is the surface that is shown. */
   geometry: THREE.BufferGeometry;
-  /** Ranges of the index: of the surface that is shown, and of coarser ones: from afar, and for its shadow, which takes a fifth of the time. */
+  /** Ranges of the index: of the surface that is shown, and of coarser ones: from afar, and for its shadow, which has the fewest triangles. */
   shown: IndexRange;
   far: IndexRange;
   shadow: IndexRange;
