@@ -61,6 +61,7 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
   if (!undriven_.empty()) {
     extra_.resize(wanted_.size());
     response_.resize(wanted_.size());
+    if (scratch_.workspace.chain.empty()) scratch_.workspace.make_rows(m);
   }
   std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
   calc_poses(m, m.neutral(), X);
