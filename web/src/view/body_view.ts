@@ -4,6 +4,7 @@ import type { MechanismData } from '../core/protocol';
 import { make_body_surface, make_rough_surface, max_links, type BodySurface, type IndexRange, type Work } from './body_surface';
 import { is_far } from './far_surface';
 import { shadow_material } from './shadow_region';
+import { glow_light, shade_by_vertices } from './vertex_shading';
 
 const place = new THREE.Vector3();
 const surfaces = new WeakMap<MechanismData, BodySurface | null>();
@@ -120,12 +121,13 @@ export class BodySkin {
       shader.uniforms.u_glow = this.glow;
       shader.uniforms.u_tints = this.tints;
       shader.vertexShader = shader.vertexShader
-        .replace('#include <skinning_pars_vertex>', `#include <skinning_pars_vertex>\nuniform vec2 u_glow[${max_links}];\nvarying vec2 v_glow;\n#ifdef TINTS\nuniform vec3 u_tints[${max_links}];\nvarying vec3 v_tint;\n#endif`)
+        .replace('#include <skinning_pars_vertex>', `#include <skinning_pars_vertex>\nuniform vec2 u_glow[${max_links}];\nvarying vec2 v_glow;\n#ifdef TINTS\nuniform vec3 u_tints[${max_links}];\nvarying vec3 v_tint;\n#define TINT v_tint\n#else\n#define TINT diffuse\n#endif`)
         .replace('#include <skinning_vertex>', '#include <skinning_vertex>\nv_glow = skinWeight.x * u_glow[int(skinIndex.x)] + skinWeight.y * u_glow[int(skinIndex.y)] + skinWeight.z * u_glow[int(skinIndex.z)] + skinWeight.w * u_glow[int(skinIndex.w)];\n#ifdef TINTS\n{ vec4 w = pow(skinWeight, vec4(6.0)); v_tint = (w.x * u_tints[int(skinIndex.x)] + w.y * u_tints[int(skinIndex.y)] + w.z * u_tints[int(skinIndex.z)] + w.w * u_tints[int(skinIndex.w)]) / (w.x + w.y + w.z + w.w); }\n#endif');
+      if (shade_by_vertices(shader, { color: 'TINT', roughness: 'roughness', emission: glow_light })) return;
       shader.fragmentShader = shader.fragmentShader
         .replace('#include <common>', '#include <common>\nvarying vec2 v_glow;\n#ifdef TINTS\nvarying vec3 v_tint;\n#endif')
         .replace('#include <color_fragment>', '#include <color_fragment>\n#ifdef TINTS\ndiffuseColor.rgb = v_tint;\n#endif')
-        .replace('#include <emissivemap_fragment>', '#include <emissivemap_fragment>\ntotalEmissiveRadiance += v_glow.x * vec3(1.0) + v_glow.y * vec3(1.0, 0.254, 0.047);');
+        .replace('#include <emissivemap_fragment>', `#include <emissivemap_fragment>\ntotalEmissiveRadiance += ${glow_light};`);
     };
     this.bones = new LinkBones(surface);
     this.mesh = this.bones.mesh(surface, this.material);

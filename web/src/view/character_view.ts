@@ -9,6 +9,7 @@ import { parts_of_body } from './body_field';
 import { BodySkin, body_surface, hidden_layer, LinkBones, type Glow } from './body_view';
 import type { BodySurface } from './body_surface';
 import { shadow_material } from './shadow_region';
+import { shade_by_vertices } from './vertex_shading';
 import { SkinView } from './skin_view';
 import { surface_geometry, type Surfaces } from './surfaces';
 
@@ -97,6 +98,11 @@ export interface LinkTag {
 
 export type Emphasis = 'none' | 'hover' | 'selected' | 'pulled';
 
+const shade_link = (shader: THREE.WebGLProgramParametersWithUniforms): void => {
+  const color = '\n#if defined(USE_COLOR) || defined(USE_COLOR_ALPHA)\nvColor.rgb * diffuse\n#else\ndiffuse\n#endif\n';
+  shade_by_vertices(shader, { color, roughness: 'roughness', emission: 'emissive' });
+};
+
 /** Light that an emphasised link emits. */
 export const glows: Record<Emphasis, Glow> = { none: [0, 0], hover: [0.09, 0], selected: [0, 0.34], pulled: [0, 0.5] };
 
@@ -138,9 +144,8 @@ export class CharacterView {
     for (let i = 0; i < mechanism.links.length; i++) this.poses[7 * i + 3] = 1;
     const surface = surface_of && surface_of(mechanism);
     this.skin = surface && new BodySkin(surface, color);
-    this.plain = new THREE.MeshStandardMaterial({ color, roughness: 0.6, metalness: 0 });
-    const tinted = (emissive: number, intensity: number): THREE.MeshStandardMaterial =>
-      new THREE.MeshStandardMaterial({ color, roughness: 0.6, emissive, emissiveIntensity: intensity });
+    this.plain = this.material_of(color);
+    const tinted = (emissive: number, emissiveIntensity: number): THREE.MeshStandardMaterial => this.material_of(color, { emissive, emissiveIntensity });
     this.emphasised = { hover: tinted(0xffffff, 0.09), selected: tinted(0xff8a3d, 0.34), pulled: tinted(0xff8a3d, 0.5) };
     this.shown = mechanism.links.map(() => 'none');
     this.links = mechanism.links.map((link, index) => {
@@ -160,6 +165,13 @@ export class CharacterView {
     this.hide_links(this.skin !== null);
     this.place_neutral();
     this.add_skin(mechanism);
+  }
+
+  /** A material of links. Beside the surface of a body, links are shaded as it is. */
+  private material_of(color: THREE.ColorRepresentation, more: THREE.MeshStandardMaterialParameters = {}): THREE.MeshStandardMaterial {
+    const material = new THREE.MeshStandardMaterial({ color, roughness: 0.6, metalness: 0, ...more });
+    if (this.skin) material.onBeforeCompile = shade_link;
+    return material;
   }
 
   /** Draws the skin of a mechanism with the same links from now on. Without a skin, nothing changes. */
@@ -260,7 +272,7 @@ export class CharacterView {
       const color = colors[index];
       let material = color ? by_color.get(color) : this.plain;
       if (!material) {
-        material = new THREE.MeshStandardMaterial({ color: color!, roughness: 0.6, metalness: 0 });
+        material = this.material_of(color!);
         by_color.set(color!, material);
         this.own.push(material);
       }

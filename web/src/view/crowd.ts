@@ -40,7 +40,7 @@ class Batch {
     geometry.setIndex(surface.geometry.index);
     geometry.instanceCount = 0;
     this.uniforms = { u_links: { value: surface.links }, u_poses: { value: null }, u_marks: { value: null } };
-    this.mesh = new THREE.Mesh(geometry, crowd_material(this.uniforms, surface.geometry.hasAttribute('own_color')));
+    this.mesh = new THREE.Mesh(geometry, crowd_material(this.uniforms, { own_colors: surface.geometry.hasAttribute('own_color'), by_vertices: surface.inverses !== null }));
     this.mesh.customDepthMaterial = crowd_depth(this.uniforms);
     this.mesh.matrixAutoUpdate = false;
     this.mesh.frustumCulled = false; // the instances are anywhere

@@ -1,5 +1,6 @@
 /** Materials of a crowd: three.js's materials with instances whose links are posed from a texture. */
 import * as THREE from 'three';
+import { glow_light, shade_by_vertices } from './vertex_shading';
 
 /** Texels in a row of the textures of a crowd; every WebGL 2 has textures of this width. */
 export const texel_row = 1024;
@@ -69,23 +70,26 @@ void crowd_look() {
 
 /**
  * The shaded material. Colour, roughness and metalness are attributes of the instances.
- * @param own_colors true: the vertices have the attribute `own_color`: r g b (linear) and the share of it in the colour
+ * @param options own_colors: the vertices have the attribute `own_color`: r g b (linear) and the share of it in the colour; by_vertices: bodies are
+ * shaded by vertices (shade_by_vertices())
  */
-export function crowd_material(uniforms: CrowdUniforms, own_colors: boolean): THREE.MeshStandardMaterial {
+export function crowd_material(uniforms: CrowdUniforms, { own_colors, by_vertices }: { own_colors: boolean; by_vertices: boolean }): THREE.MeshStandardMaterial {
   const material = new THREE.MeshStandardMaterial();
   if (own_colors) material.defines = { ...material.defines, OWN_COLORS: '' };
+  if (by_vertices) material.defines = { ...material.defines, BY_VERTICES: '' };
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
     shader.vertexShader = shader.vertexShader
       .replace('#include <common>', `#include <common>${common}${looks}`)
       .replace('#include <beginnormal_vertex>', 'vec3 crowd_position = position;\nvec3 objectNormal = normal;\ncrowd_pose(crowd_position, objectNormal);\ncrowd_look();\ncrowd_own();')
       .replace('#include <begin_vertex>', 'vec3 transformed = crowd_position;');
+    if (by_vertices && shade_by_vertices(shader, { color: 'v_tint', roughness: 'v_surface.x', emission: glow_light })) return;
     shader.fragmentShader = shader.fragmentShader
       .replace('#include <common>', '#include <common>\nvarying vec3 v_tint;\nvarying vec2 v_glow;\nvarying vec2 v_surface;')
       .replace('#include <color_fragment>', 'diffuseColor.rgb = v_tint;')
       .replace('#include <roughnessmap_fragment>', 'float roughnessFactor = v_surface.x;')
       .replace('#include <metalnessmap_fragment>', 'float metalnessFactor = v_surface.y;')
-      .replace('#include <emissivemap_fragment>', 'totalEmissiveRadiance += v_glow.x * vec3(1.0) + v_glow.y * vec3(1.0, 0.254, 0.047);');
+      .replace('#include <emissivemap_fragment>', `totalEmissiveRadiance += ${glow_light};`);
   };
   return material;
 }

@@ -1,6 +1,7 @@
 /** The floor: a metre grid that fades into the background with the distance from the camera's target. */
 import * as THREE from 'three';
 import { FloorLines } from './floor_lines';
+import { displayed } from './shading';
 
 // The floor is flat and its lights are directional, so that its lighting without shadow is the same everywhere. The vertex shader therefore
 // computes the displayed (sRGB) colours with and without shadow, and the fragment shader mixes displayed colours: three powers a pixel less.
@@ -18,7 +19,7 @@ uniform float u_reach;
 varying vec2 v_world;
 flat varying vec3 v_lit, v_shaded; // displayed colours by all lights, and by all lights except the first, which casts the shadow
 varying vec3 v_faded; // displayed colour of a floor without pattern and shadow
-vec3 displayed(vec3 c) { return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
+${displayed}
 ${fade}
 vec3 light(int i, vec3 normal) { return max(0.0, dot(normal, directionalLights[i].direction)) * directionalLights[i].color; }
 void main() {

@@ -19,29 +19,43 @@ const offsets = [[1, 3], [3, -1], [-1, -3], [-3, 1]].map(([x, y]) => `vec2(${(x!
 const sum = offsets.map((offset) => `texture(shadowMap, vec3(shadowCoord.xy + radius * ${offset}, shadowCoord.z))`).join(' + ');
 change('shadowmap_pars_fragment', /if \( frustumTest \) \{[^]*?\* 0\.2;\s*\}/, () => `vec2 radius = shadowRadius / shadowMapSize;\nif (frustumTest) shadow = 0.25 * (${sum});`);
 
-// Light on materials that reflect no environment: diffuse (Lambert) and specular (GGX, with the Smith visibility in the linear form of
-// Hammon, 2017). Left out are the tables by which three.js corrects the energy of light that is reflected several times within the surface,
-// which is less than 1 % for non-metals.
+/** GLSL: the displayed (sRGB) colour of a linear one. */
+export const displayed = 'vec3 displayed(vec3 c) { return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }';
+
+/**
+ * GLSL: how light is mirrored by a surface without reflections of an environment: share of the way from the mirrored colour to white (Fresnel's law
+ * after Schlick), and the ratio of the highlight to the light that a white surface scatters (GGX, with the Smith visibility in the linear form of
+ * Hammon, 2017).
+ */
+export const highlight = `
+vec2 highlight(vec3 to_light, vec3 normal, vec3 to_viewer, float roughness) {
+  vec3 between = to_light + to_viewer;
+  between *= inversesqrt(max(dot(between, between), 1e-6));
+  float facing = saturate(dot(normal, between));
+  float facing_light = saturate(dot(normal, to_light));
+  float facing_viewer = saturate(dot(normal, to_viewer));
+  float away = 1.0 - saturate(dot(to_viewer, between));
+  float away_squared = away * away;
+  float alpha = roughness * roughness;
+  float spread = facing * facing * (alpha * alpha - 1.0) + 1.0;
+  float hidden = mix(2.0 * facing_light * facing_viewer, facing_light + facing_viewer, alpha);
+  return vec2(away_squared * away_squared * away, 0.5 * alpha * alpha / max(spread * spread * hidden, 1e-6));
+}`;
+
+// Light on materials that reflect no environment: scattered (Lambert) and mirrored. Left out are the tables by which three.js corrects the energy
+// of light that is reflected several times within the surface, which is less than 1 % for non-metals.
 const light = `
 struct PhysicalMaterial {
   vec3 diffuseColor, diffuseContribution, specularColor, specularColorBlended;
   float roughness, metalness, specularF90;
 };
+${highlight}
 void light_directly(const in IncidentLight light, const in vec3 position, const in vec3 normal, const in vec3 view, const in vec3 coat, const in PhysicalMaterial material, inout ReflectedLight reflected) {
-  float to_light = saturate(dot(normal, light.direction));
-  vec3 irradiance = RECIPROCAL_PI * to_light * light.color;
-  vec3 between = light.direction + view;
-  between *= inversesqrt(max(dot(between, between), 1e-6));
-  float facing = saturate(dot(normal, between));
-  float to_view = saturate(dot(normal, view));
-  float away = 1.0 - saturate(dot(view, between));
-  float away_squared = away * away;
-  vec3 mirrored = mix(material.specularColorBlended, vec3(1.0), away_squared * away_squared * away);
-  float alpha = material.roughness * material.roughness;
-  float spread = facing * facing * (alpha * alpha - 1.0) + 1.0;
-  float hidden = mix(2.0 * to_light * to_view, to_light + to_view, alpha);
-  reflected.directSpecular += irradiance * mirrored * (0.5 * alpha * alpha / max(spread * spread * hidden, 1e-6));
-  reflected.directDiffuse += irradiance * material.diffuseContribution * (1.0 - mirrored);
+  vec3 scattered = RECIPROCAL_PI * saturate(dot(normal, light.direction)) * light.color;
+  vec2 shine = highlight(light.direction, normal, view, material.roughness);
+  vec3 mirrored = mix(material.specularColorBlended, vec3(1.0), shine.x);
+  reflected.directSpecular += scattered * mirrored * shine.y;
+  reflected.directDiffuse += scattered * material.diffuseContribution * (1.0 - mirrored);
 }
 void light_around(const in vec3 irradiance, const in vec3 position, const in vec3 normal, const in vec3 view, const in vec3 coat, const in PhysicalMaterial material, inout ReflectedLight reflected) {
   reflected.indirectDiffuse += RECIPROCAL_PI * irradiance * material.diffuseContribution * (1.0 - material.specularColor);
