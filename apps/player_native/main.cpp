@@ -1,6 +1,7 @@
 // The native player. An exported program is this program followed by a payload, which contains the page and the content.
 
 #include <fcntl.h>
+#include <sys/auxv.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -45,12 +46,21 @@ int print_error(const Error& error, bool as_json) {
   return 1;
 }
 
+/// Path of this program's own file. In a minimal tree without /proc, it is the path with which the program was started.
+std::string program_path() {
+  const char* const here = "/proc/self/exe";
+  if (::access(here, R_OK) == 0) return here;
+  const auto started_as = reinterpret_cast<const char*>(::getauxval(AT_EXECFN));
+  return started_as ? started_as : here;
+}
+
 /// Returns the bytes of this program's own file, mapped into memory until the process ends.
 Result<std::span<const std::byte>> map_program() {
-  const auto failed = [](const char* what) {
-    return fail(ErrorCode::io, "/proc/self/exe", std::string("The program's file cannot be read: ") + what + ".", "Check its permissions.");
+  const std::string path = program_path();
+  const auto failed = [&](const char* what) {
+    return fail(ErrorCode::io, path, std::string("The program's file cannot be read: ") + what + ".", "Check its permissions.");
   };
-  const int file = ::open("/proc/self/exe", O_RDONLY | O_CLOEXEC);
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return failed("open failed");
   struct stat facts{};
   const bool known = ::fstat(file, &facts) == 0 && facts.st_size > 0;
@@ -148,8 +158,7 @@ int play(const publish::Payload& payload, const std::string& name, const Options
   Result<content::Player> player = content::Player::open(payload.ugx, name, host);
   if (!player) return print_error(player.error(), o.as_json);
   std::error_code ignored;
-  for (const auto& [what, path] :
-       {std::pair<const char*, std::string>{"this program", "/proc/self/exe"}, {"the file of --inputs", o.inputs}})
+  for (const auto& [what, path] : {std::pair<const char*, std::string>{"this program", program_path()}, {"the file of --inputs", o.inputs}})
     if (!o.out.empty() && !path.empty() && std::filesystem::equivalent(o.out, path, ignored))
       return print_error(Error(ErrorCode::conflict, o.out, std::string("The output is ") + what + ".", "Name another file with --out."),
                          o.as_json);
