@@ -270,7 +270,6 @@ TEST_F(CircuitStudioTest, MovingAnLsiDoesNotRestartTheSimulation) {
   ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
   ASSERT_FALSE(p.event("transport", [](const json& e) { return e["simulated"] > 0.1; }).is_null());
   (void)p.ask({{"op", "pause"}});
-  const json before = p.event("transport");
   ASSERT_EQ(p.ask(edit(json::array({put("lsis", {{"id", "g"}, {"type", "gain"}, {"note", "doubles"}, {"at", {300, 40}}}),
                                     put("notes", {{"id", "n"}, {"text", "hello"}, {"at", {0, 0}}})})))["ok"],
             true);
