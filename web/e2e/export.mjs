@@ -632,6 +632,19 @@ await test('a picture of an export equals the picture of the studio', async () =
   return undefined;
 });
 
+await test('an export whose page fails at once ends with its error', () => {
+  const broken = at('broken-player');
+  mkdirSync(broken);
+  const share = join(dirname(ugoki), '../share/ugoki');
+  for (const part of readdirSync(share)) if (/^(player\.html|ugoki_)/.test(part)) copyFileSync(join(share, part), join(broken, part));
+  const page = readFileSync(join(broken, 'player.html'), 'utf8');
+  const wrong = page.replace('script.textContent = text', 'script.textContent = "throw new Error(1234)"');
+  expect(wrong !== page, 'the page does not set the text of its script');
+  writeFileSync(join(broken, 'player.html'), wrong);
+  const error = refused('export', at('park.ugoki'), '--png', at('broken.png'), '--player', broken);
+  expect(/has ended: .*1234/.test(error), error);
+});
+
 await test('videos have the wanted length', () => {
   const probe = spawnSync('ffprobe', ['-version']);
   if (probe.status !== 0) return 'ffmpeg is not installed';

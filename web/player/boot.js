@@ -1,4 +1,15 @@
 // Unpacks the script of the page (gzip in base 91, see from_base91() in src/player/payload.ts) and runs it.
+// A page that draws pictures for `ugoki export` reports errors that end its script, because nobody looks at it.
+if (document.documentElement.dataset.engine === 'pictures') {
+  const report = async (message) => {
+    const send = async (path, body, headers) => (await fetch(`api/${path}`, { method: 'POST', body, headers })).json();
+    const code = new URLSearchParams(location.hash.slice(1)).get('code');
+    const token = sessionStorage.getItem('ugoki_token') ?? (await send('session', JSON.stringify({ code }), { 'Content-Type': 'application/json' })).token;
+    await send('failed', `The page of the pictures has ended: ${message}.`, { Authorization: `Bearer ${token}` });
+  };
+  addEventListener('error', (event) => void report(event.message));
+  addEventListener('unhandledrejection', (event) => void report(String(event.reason)));
+}
 (async () => {
   try {
     const packed = document.getElementById('ugoki-page').textContent.trim();
