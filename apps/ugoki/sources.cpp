@@ -235,7 +235,9 @@ Result<ClipSource> load_clip(const std::string& target, const SourceOptions& opt
   if (*kind != TargetKind::measured_file)
     return fail(ErrorCode::unsupported, target, "This is not a motion.",
                 "Name a .bvh, .amc, .c3d, .trc, .gltf, .glb, .usda, .mvnx or .npz file, or a motion of the library.");
-  Result<intake::Intake> loaded = take_in_file(target, options);
+  SourceOptions with_motion = options;
+  with_motion.intake.motion_of_parts = true;  // here rigid parts that move are a motion, not a mesh
+  Result<intake::Intake> loaded = take_in_file(target, with_motion);
   if (!loaded) return fail(std::move(loaded.error()));
   if (!loaded->motion)
     return fail(ErrorCode::structure, target, "The file contains a mesh without a motion.", "Name a file with a motion.");

@@ -185,6 +185,13 @@ TEST_F(MotionCliTest, GaitBringsItsGround) {
 }
 
 // Two of these speeds fall if the computed motion is not filtered.
+TEST_F(MotionCliTest, RigidPartsThatMoveAreAMotionForEveryVerb) {
+  const std::string box = std::string(UGOKI_SHARED_DATA) + "/gltf/box_animated.gltf";
+  EXPECT_NEAR(json({"run", box})["duration_s"].get<double>(), 3.69, 0.01);
+  (void)json({"export", box, "--glb", path("box.glb")});
+  EXPECT_TRUE(std::filesystem::exists(path("box.glb")));
+}
+
 /// Whether a person who walks up 10 degrees at `speed` (m/s) for some seconds stays up.
 class UphillTest : public MotionCliTest {
  protected:
