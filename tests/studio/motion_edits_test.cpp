@@ -111,7 +111,7 @@ TEST(MotionEdits, CorrectionRemovesSlidingAndStrengthScalesIt) {
   const auto slide = std::ranges::find_if(all.report, [](const std::string& line) { return line.starts_with("Sliding"); });
   ASSERT_NE(slide, all.report.end());
   double before = 0, after = 0;
-  ASSERT_EQ(std::sscanf(slide->c_str(), "Sliding of standing feet: %lf before, %lf after", &before, &after), 2) << *slide;
+  ASSERT_EQ(std::sscanf(slide->c_str(), "Sliding of standing feet: %lf cm before, %lf cm after", &before, &after), 2) << *slide;
   EXPECT_GT(before, 1) << "cm";
   EXPECT_LT(after, 0.2 * before) << "cm";
   edit.options = {{"percent", 0}};

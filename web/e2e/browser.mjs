@@ -81,6 +81,13 @@ export async function set_mode(page, name) {
 /** Waits until the camera of the viewport has reached its place, so that positions on the screen stay valid. */
 export const camera_rests = (page) => until(page, () => page.evaluate('!(window.ugoki.camera()?.moving ?? true)'), 'a camera at rest');
 
+/** Waits until the view is at rest and painted. For pictures that people look at, also until it is drawn at full resolution. */
+export async function rested(page) {
+  await camera_rests(page);
+  await painted(page);
+  if (process.env.UGOKI_PICTURES === '1') await page.waitForTimeout(900);
+}
+
 /** Waits until three answers of `ask`, 100 ms apart, are equal, and returns the answer. */
 export async function steady(page, ask, description) {
   let last, equal = 0;

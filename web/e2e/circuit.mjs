@@ -2,6 +2,7 @@
 // All names begin with "circuit".
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
+import { painted } from './browser.mjs';
 import { mock } from './service.mjs';
 import { add, drag, head, ids, pin, spot, state, wait_for_undo_label, undo, until } from './wiring.mjs';
 
@@ -16,7 +17,7 @@ const journeys = [
       const shown = await until(page, (c) => c.lsis.length > 5 && c.facts?.near > 5, 'the circuit');
       assert.equal(shown.edited, false);
       assert.ok(shown.lsis.some((l) => l.type === 'dynamics') && shown.wires.includes('status.state > dynamics.state'));
-      await page.waitForTimeout(600);
+      await painted(page);
       memory.circuit = shown.lsis.length;
       await page.waitForFunction(() => document.querySelectorAll('.lsi').length >= 5); // LSIs are DOM elements, not drawn on the canvas
       await page.screenshot({ path: `${pictures}circuit-generated.png` });
@@ -47,7 +48,7 @@ const journeys = [
       await page.mouse.move(from.x, from.y);
       await page.mouse.down();
       await page.mouse.move(from.x + 40, from.y + 10, { steps: 3 });
-      await page.waitForTimeout(150);
+      await page.locator('.pin-row.fits').first().waitFor();
       assert.ok((await page.locator('.pin-row.fits').count()) > 0, 'some pins fit');
       assert.ok((await page.locator('.pin-row.unfit').count()) > 10, 'others do not');
       await page.screenshot({ path: `${pictures}circuit-wiring.png` });
@@ -77,7 +78,7 @@ const journeys = [
       const before = (await state(page)).wires.length;
       await add(page, 'split vector', await spot(page, 0.25, 0.94));
       await until(page, (c) => c.lsis.some((l) => l.id === 'split-vector'), 'the splitter');
-      await page.waitForTimeout(200);
+      await painted(page);
       await drag(page, await pin(page, 'gain', 'out', 'out'), await pin(page, 'split-vector', 'in', 'in'));
       await page.locator('.refusal').waitFor();
       assert.match(await page.locator('.refusal').textContent(), /carries scalar.*takes vector/);
@@ -115,7 +116,7 @@ const journeys = [
       await page.getByRole('menuitem', { name: 'Add probe' }).click();
       await until(page, (c) => c.probes.length === 1 && c.probes[0].pin === 'low-pass.out', 'the probe');
       await page.getByRole('radio', { name: 'Simulate' }).click();
-      await page.waitForTimeout(400);
+      await page.waitForFunction(() => window.ugoki.transport().mode === 'simulate');
       await page.getByRole('button', { name: 'Play' }).click();
       const value = () => page.evaluate(() => window.ugoki.pin_value('clock', 'time')?.[0]);
       const end = Date.now() + 30000;
@@ -124,8 +125,7 @@ const journeys = [
         await page.waitForTimeout(80);
       }
       const first = await value();
-      await page.waitForTimeout(1500);
-      assert.ok((await value()) > first, 'the value keeps growing');
+      await page.waitForFunction((at) => window.ugoki.pin_value('clock', 'time')?.[0] > at, first); // the value keeps growing
       assert.ok((await state(page)).facts.values >= 3, 'the values in view are drawn');
       assert.match(await page.locator('.fact .tick').textContent(), /(µs|ms|ns) per tick/);
       assert.match(await page.locator('.probe-value').textContent(), /\d/);
@@ -161,7 +161,7 @@ const journeys = [
       assert.ok(Math.abs(stopped.time - (first + 1) * step) < 1e-9, `the time is that after this tick: ${stopped.time}`);
       assert.match(await page.locator('.stop-notice').textContent(), new RegExp(`clock · time > 0\\.5is 0\\.50\\d* at 0\\.50\\d s, tick ${first}`));
       assert.equal(await page.locator('[data-pin="clock.time"].stop-hit').count(), 1, 'the pin is highlighted');
-      await page.waitForTimeout(300);
+      await painted(page);
       await page.screenshot({ path: `${pictures}circuit-stopped.png` });
       await page.getByRole('button', { name: 'One tick' }).click();
       await page.locator('.stop-notice').waitFor({ state: 'detached' });
@@ -212,11 +212,11 @@ const journeys = [
       await page.keyboard.press('Control+g');
       const grouped = await until(page, (c) => c.lsis.some((l) => l.id === 'group') && !c.lsis.some((l) => l.id === 'gain'), 'the group');
       assert.ok(grouped.wires.includes('clock.time > group.in') && grouped.circuits.includes('group'));
-      await page.waitForTimeout(300);
+      await painted(page);
       const at = await head(page, 'group');
       await page.mouse.dblclick(at.x, at.y);
       await until(page, (c) => c.path.join() === 'group' && c.lsis.length === 2, 'the inside of the group');
-      await page.waitForTimeout(400);
+      await painted(page);
       await page.screenshot({ path: `${pictures}circuit-inside.png` });
       await page.locator('.crumbs button').first().click();
       await until(page, (c) => c.path.length === 0 && c.selected.join() === 'group', 'the outer level');

@@ -3,7 +3,7 @@ import { request } from 'node:http';
 import { mkdirSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import assert from 'node:assert/strict';
-import { ready } from './browser.mjs';
+import { painted, ready, rested } from './browser.mjs';
 import { accessibility_journeys } from './accessibility.mjs';
 import { body_journeys } from './bodies.mjs';
 import { circuit_journeys } from './circuit.mjs';
@@ -18,6 +18,7 @@ import { timeline_journeys } from './timeline.mjs';
 import { look_journeys } from './looks.mjs';
 import { prop_journeys } from './props.mjs';
 import { pull_journeys } from './pulls.mjs';
+import { push_journeys } from './pushes.mjs';
 import { request_journeys } from './requests.mjs';
 import { rule_journeys } from './rules.mjs';
 import { session_journeys } from './sessions.mjs';
@@ -67,20 +68,20 @@ async function show_time(page, time) {
   const before = await hook(page, 'window.ugoki.frames_received');
   const ruler = await page.locator('.ruler').boundingBox();
   await page.keyboard.press('Home');
-  await page.waitForTimeout(150);
+  await painted(page);
   const duration = await hook(page, 'window.ugoki.document().duration');
   const width = ruler.width;
   const scale = (Math.max(width, 80) - 32) / Math.max(duration, 0.5);
   await page.mouse.click(ruler.x + 12 + time * scale, ruler.y + ruler.height / 2);
   await until(page, `window.ugoki.frames_received > ${before} && Math.abs(window.ugoki.frame().time - ${time}) < 0.1`, `the frame at ${time} s`);
-  await page.waitForTimeout(400);
+  await painted(page);
   return hook(page, 'window.ugoki.frame().time');
 }
 
 async function set_mode(page, mode) {
   await page.getByRole('radio', { name: mode === 'edit' ? 'Edit' : 'Simulate' }).click();
   await until(page, `window.ugoki.transport().mode === '${mode}'`, `mode ${mode}`);
-  await page.waitForTimeout(300);
+  await painted(page);
 }
 
 /** Mean brightness, 0 to 255, of a rectangle of the screen. */
@@ -154,7 +155,7 @@ const first_journeys = [
     name: 'the character is visible',
     async run({ page }) {
       const { id } = await lead(page);
-      await page.waitForTimeout(2500);
+      await rested(page);
       const head = await find_link(page, id, /head/i); // without clothes, which may be dark
       const at = await hook(page, `window.ugoki.link_on_screen(${JSON.stringify(id)}, ${head})`);
       const box = await page.locator('.viewport').boundingBox();
@@ -172,7 +173,7 @@ const first_journeys = [
       const before = await positions(page, id);
       await page.getByRole('button', { name: 'Play' }).click();
       await until(page, 'window.ugoki.transport().playing && window.ugoki.frame().time > 0.6', 'time to pass');
-      await page.waitForTimeout(1500);
+      await until(page, 'window.ugoki.frame().time > 1.6', 'a second of motion');
       await page.getByRole('button', { name: 'Pause' }).click();
       await until(page, '!window.ugoki.transport().playing', 'the pause');
       const after = await positions(page, id);
@@ -401,7 +402,7 @@ const first_journeys = [
       await page.getByRole('button', { name: 'Contacts', exact: true }).click();
       if (await hook(page, 'window.ugoki.transport().playing')) await page.getByRole('button', { name: 'Pause' }).click();
       await page.getByRole('combobox', { name: 'Playback speed' }).selectOption('1');
-      await page.waitForTimeout(1500);
+      await rested(page);
       await page.screenshot({ path: `${pictures}simulate.png` });
       await page.getByRole('button', { name: 'Contacts', exact: true }).click();
     },
@@ -480,5 +481,5 @@ export const closing = {
 export const groups = [
   first_journeys, accessibility_journeys, editor_journeys, session_journeys, plugin_journeys, timeline_journeys, rule_journeys, look_journeys,
   circuit_journeys, repair_journeys, prop_journeys, jump_journeys, library_journeys, posing_journeys, motion_journeys, recording_journeys, gait_journeys,
-  skin_journeys, pull_journeys, key_journeys, sweep_journeys, body_journeys, control_journeys, request_journeys,
+  skin_journeys, pull_journeys, push_journeys, key_journeys, sweep_journeys, body_journeys, control_journeys, request_journeys,
 ];

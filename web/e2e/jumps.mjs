@@ -1,7 +1,7 @@
 // A journey of an animator: a jump is posed by hand, keyed, and its physics are corrected.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { blur, camera_rests, document_of, steady, text_of, undo_to, until } from './browser.mjs';
+import { blur, camera_rests, document_of, painted, rested, steady, toggle_theme, text_of, undo_to, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no library';
@@ -68,6 +68,7 @@ export const jump_journeys = [
         await page.keyboard.press('p');
       }
       await drag_pelvis(-90);
+      await rested(page);
       await page.screenshot({ path: `${pictures}jump-posed.png` });
       await page.keyboard.press('e');
       await page.keyboard.press('g');
@@ -85,27 +86,27 @@ export const jump_journeys = [
       assert.match(await compared.textContent(), /Largest change\d+\.\d° · .* at \d\.\d\d s/);
       assert.ok((await compared.locator('tbody tr').count()) >= 3, 'measures before and after');
       await compared.getByRole('button', { name: /^Centre of mass/ }).click();
-      await page.waitForTimeout(600);
+      await rested(page);
       const shown = await page.screenshot({ path: `${pictures}jump-ghost.png` });
       await page.keyboard.press('Shift+C');
       await until(page, async () => (await compared.getByRole('button', { name: 'Ghost of before' }).getAttribute('aria-pressed')) === 'false', 'the switch');
-      await page.waitForTimeout(400);
+      await rested(page);
       assert.ok(!shown.equals(await page.screenshot({ path: `${pictures}jump-no-ghost.png` })), 'the ghost is drawn');
       await page.keyboard.press('Shift+C');
-      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
-      await page.waitForTimeout(400);
+      await toggle_theme(page);
+      await rested(page);
       await page.screenshot({ path: `${pictures}jump-ghost-light.png` });
-      await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+      await toggle_theme(page);
       assert.ok(corrected.motion !== clip.motion && (corrected.layers ?? []).length === 0, 'the keys are part of the corrected motion');
       const lines = (await hook(page, 'log()')).filter((line) => /Correct the physics —/.test(line));
-      const change = (what) => lines.map((line) => line.match(new RegExp(`${what}: (-?[0-9.]+) before, (-?[0-9.]+) after`))).find(Boolean)?.slice(1).map(Number);
+      const change = (what) => lines.map((line) => line.match(new RegExp(`${what}: (-?[0-9.]+) .+ before, (-?[0-9.]+) .+ after`))).find(Boolean)?.slice(1).map(Number);
       const flight = change('Error of gravity in flights');
       assert.ok(flight && flight[1] < 0.2 * flight[0], `the flight is a parabola: ${flight}`);
       const force = change('Force that the ground cannot supply');
       assert.ok(force[1] < force[0], `the ground can supply the force: ${force}`);
       await page.locator('.clip').first().click();
       await blur(page);
-      await page.waitForTimeout(600);
+      await rested(page);
       await page.screenshot({ path: `${pictures}jump-corrected.png` });
       await undo_to(page, before);
     },

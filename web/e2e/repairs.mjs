@@ -1,7 +1,7 @@
 // Journeys (end-to-end tests) for faults that users reported. Each journey failed before the repair of its fault.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { camera_rests, document_of, ready, set_mode, steady, text_of, undo_while, until } from './browser.mjs';
+import { camera_rests, document_of, painted, ready, set_mode, steady, text_of, undo_while, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no library and no simulation';
@@ -117,7 +117,7 @@ export const repair_journeys = [
       }, 'the copy');
       const copy = after.characters[0].track.at(-1);
       assert.ok(after.duration >= copy.start + copy.length - 1e-6, `the scenario of ${after.duration} s contains the copy up to ${copy.start + copy.length} s`);
-      await page.waitForTimeout(300);
+      await painted(page);
       const box = await page.locator(`[data-clip="${copy.id}"]`).boundingBox();
       const lane = await page.locator('.lane').first().boundingBox();
       assert.ok(box.x >= lane.x && box.x + box.width <= lane.x + lane.width + 1, 'the copy is inside the timeline');
@@ -184,7 +184,7 @@ export const repair_journeys = [
       await field.fill('3');
       await field.press('Enter');
       await until(page, async () => (await document_of(page)).events.find((e) => e.id === push.id).duration === 3, 'three seconds');
-      await page.waitForTimeout(300);
+      await painted(page);
       const pill = await page.locator('.pill.push').first().boundingBox();
       const clip = await page.locator('.clip').first().boundingBox();
       const scale = clip.width / before.characters[0].track[0].length;

@@ -175,6 +175,12 @@ export const session_journeys = [
       await page.keyboard.press('Space');
       await until(page, async () => !(await hook(page, 'transport()')).playing, 'Pause');
       await page.screenshot({ path: `${pictures}keys-played.png` });
+      const box = await page.locator('.viewport > canvas').boundingBox();
+      const { id } = (await document_of(page)).characters[0];
+      for (const part of ['head', 'foot left', 'foot right']) {
+        const at = await hook(page, `link_on_screen('${id}', window.ugoki.link_index('${id}', '${part}'))`);
+        assert.ok(at && at.x > box.x && at.x < box.x + box.width && at.y > box.y && at.y < box.y + box.height, `the camera shows the ${part}: ${JSON.stringify([at, box])}`);
+      }
       await page.keyboard.press('Control+s');
       await page.keyboard.press('`');
       await open_by_keys(page, `${service.folder}/${first}`, before);
@@ -239,6 +245,19 @@ export const session_journeys = [
       await blur(page);
       await page.keyboard.press('Shift+ArrowLeft');
       await page.keyboard.press('a');
+      const drawn = await page.evaluate(() => {
+        const { prototype } = WebGL2RenderingContext;
+        const draw = prototype.drawElementsInstanced;
+        return new Promise((done) => {
+          let instances = 0;
+          prototype.drawElementsInstanced = function (...values) {
+            if (values[1] > 300) instances = Math.max(instances, values[4]); // indices of a body; instanced lines have few
+            return draw.apply(this, values);
+          };
+          setTimeout(() => ((prototype.drawElementsInstanced = draw), done(instances)), 1500);
+        });
+      });
+      assert.ok(drawn >= 21, `one call draws all copies: ${drawn}`);
       await page.keyboard.press('Space');
       await until(page, async () => (await hook(page, 'transport()')).simulated > 0.5, 'half a second of simulation', 60000);
       await page.keyboard.press('Space');

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { blur, document_of, set_mode, text_of, undo_to, until } from './browser.mjs';
+import { blur, document_of, rested, set_mode, text_of, undo_to, until } from './browser.mjs';
 import { mock } from './service.mjs';
 import { skinned_person } from './skinned_file.mjs';
 
@@ -59,7 +59,7 @@ export const skin_journeys = [
       await blur(page);
       await page.keyboard.press('1'); // from the front: an arm may cover the chest in the view of the journey before
       await page.keyboard.press('f');
-      await page.waitForTimeout(1200);
+      await rested(page);
       const box = await page.locator('.viewport canvas').first().boundingBox();
       const shot = async (name) => {
         await page.waitForTimeout(900);

@@ -1,7 +1,7 @@
 // Journeys for stored poses, keys on clips, the simulated curve, ripple, order and groups of tracks, and grips.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { blur, camera_rests, document_of, set_mode, steady, undo_to, until } from './browser.mjs';
+import { blur, camera_rests, document_of, painted, rested, set_mode, steady, toggle_theme, undo_to, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no poses';
@@ -27,12 +27,12 @@ const select_link = async (page, character, name) => {
 };
 
 async function both_themes(page, name) {
-  await page.waitForTimeout(400);
+  await rested(page);
   await page.screenshot({ path: `${pictures}${name}.png` });
-  await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
-  await page.waitForTimeout(400);
+  await toggle_theme(page);
+  await rested(page);
   await page.screenshot({ path: `${pictures}${name}-light.png` });
-  await page.getByRole('button', { name: 'Switch between dark and light theme' }).click();
+  await toggle_theme(page);
 }
 
 export const timeline_journeys = [
@@ -73,7 +73,7 @@ export const timeline_journeys = [
       }, 'two named poses');
       assert.equal(poses[0].name, 'Step');
       assert.ok(poses[0].joints.length > 15, 'all joints');
-      await page.waitForTimeout(600);
+      await painted(page);
 
       // the other pose, whole, with auto-key; the place of the character stays
       const step = page.getByRole('option', { name: 'Step' });
@@ -180,7 +180,7 @@ export const timeline_journeys = [
       await page.mouse.click(box.x + 12 + (into.start + blend / 2) * scale, box.y + box.height / 2);
       await note.getByText('Cross-fade').waitFor();
       await until(page, async () => (await hook(page, 'posing()'))?.ready, 'the pose in the cross-fade');
-      await page.waitForTimeout(400);
+      await rested(page);
       await page.screenshot({ path: `${pictures}pose-cross-fade.png` });
       await note.getByRole('button').click();
       await until(page, async () => (await hook(page, 'selection()')).clip === track[0].id, 'the other clip is posed');
@@ -241,7 +241,7 @@ export const timeline_journeys = [
       await page.getByRole('button', { name: 'Ripple', exact: true }).click();
       const later = before.events.filter((e) => e.time >= clip.start).map((e) => e.time);
       await page.keyboard.press('Home');
-      await page.waitForTimeout(200);
+      await painted(page);
       const box = await page.locator(`[data-clip="${clip.id}"]`).boundingBox();
       await page.mouse.move(box.x + 30, box.y + 8);
       await page.mouse.down();
@@ -308,7 +308,7 @@ export const timeline_journeys = [
       for (let i = 0; i < 12; i++) await page.keyboard.press('ArrowRight');
       await page.keyboard.press('1');
       await page.keyboard.press('f');
-      await page.waitForTimeout(900);
+      await rested(page);
       const grabs = async () => (await document_of(page)).events.filter((e) => e.type === 'grab');
       const hands = [];
       for (const side of ['left', 'right']) {
@@ -356,7 +356,7 @@ export const timeline_journeys = [
       await other.goto(service.address);
       const card = other.locator('.tour');
       await card.waitFor();
-      await other.waitForTimeout(1200);
+      await painted(other);
       await other.screenshot({ path: `${pictures}tour.png` });
       const titles = [];
       for (let i = 0; i < 6; i++) {

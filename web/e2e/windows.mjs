@@ -65,6 +65,11 @@ export const crowded = (page) =>
       if ((text || textOverflow === 'ellipsis') && overflowX !== 'visible' && !/auto|scroll/.test(overflowX) && !e.closest('[title]') && e.tagName !== 'SELECT' && e.tagName !== 'INPUT') bad.push(`the text '${named(e)}' is cut and has no title`);
       else if (/auto|scroll/.test(overflowX) && !e.closest('.rule-states, .dv-tabs-container, .view-options, .pose-bar')) bad.push(`${e.className || e.tagName} scrolls sideways by ${e.scrollWidth - e.clientWidth} px`);
     }
+    // cards let the pointer through, so elementFromPoint does not find them
+    const boxes = (selector) => [...root.querySelectorAll(selector)].filter((e) => e.checkVisibility()).map((e) => ({ e, b: e.getBoundingClientRect() })).filter(({ b }) => b.width > 0);
+    for (const card of boxes('.viewport .card'))
+      for (const { e, b } of boxes('.viewport button, .viewport select'))
+        if (!card.e.contains(e) && !e.closest(canvas) && b.left < card.b.right && b.right > card.b.left && b.top < card.b.bottom && b.bottom > card.b.top) bad.push(`${named(e)} is behind the card '${named(card.e)}'`);
     if (document.documentElement.scrollWidth > innerWidth + 1) bad.push('the page is wider than the window');
     const bar = [...document.querySelectorAll('.topbar button, .topbar select, .topbar .clock, .topbar .brand')].filter((e) => !e.closest('[role=menu]')).map((e) => ({ e, b: e.getBoundingClientRect() })).filter(({ b }) => b.width > 0);
     bar.forEach(({ e, b }, i) => {

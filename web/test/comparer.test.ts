@@ -24,7 +24,7 @@ describe('the comparison of a corrected clip', () => {
   });
 
   it('reads the measures of the report', () => {
-    expect(read_changes(['Sliding of standing feet: 2.40 before, 0.20 after cm.', 'Force that the ground cannot supply: 0.068 before, 0.001 after body weights.', 'Joints changed by 1.0° rms.'])).toEqual([
+    expect(read_changes(['Sliding of standing feet: 2.40 cm before, 0.20 cm after.', 'Force that the ground cannot supply: 0.068 body weights before, 0.001 body weights after.', 'Joints changed by 1.0° rms.'])).toEqual([
       { name: 'Foot sliding', unit: 'cm', before: '2.40', after: '0.20' },
       { name: 'Missing force', unit: '× weight', before: '0.068', after: '0.001' },
     ]);

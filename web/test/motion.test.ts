@@ -17,7 +17,8 @@ function make(answer: (request: MotionRequest | { op: 'motion.cancel'; task: str
     fail: (error) => reported.push(`failed: ${error.message}`),
     report: (title, lines) => reported.push([title, ...lines].join(' | ')),
     clip: () => undefined,
-    corrected: () => undefined,
+    log_report: () => undefined,
+    corrected: () => Promise.resolve(false),
     select: (selection) => selected.push(selection),
   });
   return { desk, reported, selected, fetches: () => fetches };

@@ -146,7 +146,8 @@ std::string scene_json(const Executable& content, bool skins) {
                           {"name", c.name},
                           {"color", c.color},
                           {"mechanism", c.mechanism},
-                          {"tracks", c.control.mode != ControlMode::passive && !c.track.empty()}});
+                          {"tracks", c.control.mode != ControlMode::passive && !c.track.empty()},
+                          {"assist_limit", c.control.assist_limit}});
     write_material(c.material, characters.back());
   }
   for (std::size_t i = 0; i < content.mechanisms.size(); ++i)

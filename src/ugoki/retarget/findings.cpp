@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "ugoki/base/number.h"
 #include "ugoki/mechanism/state.h"
@@ -12,6 +13,16 @@ namespace ugoki::retarget {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Whether DOF `k` of a joint that is not floating is measured by an angle (rad), otherwise by a distance (m).
+bool is_angle(JointType type, int k) {
+  switch (type) {
+    case JointType::prismatic: return false;
+    case JointType::cylindrical: return k == 0;
+    case JointType::planar: return k == 2;
+    default: return true;
+  }
+}
 
 void find_margins(const Mechanism& m, const Motion& motion, RetargetReport& report) {
   report.min_margin = 1e300;
@@ -24,12 +35,19 @@ void find_margins(const Mechanism& m, const Motion& motion, RetargetReport& repo
     int frames = 0;
     for (int f = 0; f < motion.frames; ++f) {
       double x[6], margin = 1e300;
+      bool turns = true;
       joint_displacement(link.joint, motion.frame(f) + link.q_index, x);
-      for (int k = 0; k < nv; ++k) margin = std::min({margin, x[k] - link.joint.dofs[at(k)].lower, link.joint.dofs[at(k)].upper - x[k]});
+      for (int k = 0; k < nv; ++k) {
+        const Dof& dof = link.joint.dofs[at(k)];
+        const double to_limit = std::min(x[k] - dof.lower, dof.upper - x[k]);
+        if (to_limit < margin) turns = is_angle(link.joint.type, k);
+        margin = std::min(margin, to_limit);
+      }
       if (margin < 1e-6) ++frames;
       if (margin < report.min_margin) {
         report.min_margin = margin;
         report.margin_link = link.name;
+        report.margin_turns = turns;
       }
     }
     if (frames > 0) report.at_limit.emplace_back(link.name, frames);
@@ -119,9 +137,11 @@ std::vector<std::string> describe(const RetargetReport& r) {
   if (r.max_shift > 1e-3)
     lines.push_back("The root was moved by up to " + mm(r.max_shift, 0) + " (frame " + std::to_string(r.shift_frame) +
                     "), so that the feet reach the ground.");
-  if (!r.margin_link.empty())
-    lines.push_back("No joint limit is exceeded; the smallest margin is that of " + r.margin_link + ", " +
-                    to_fixed(std::max(0.0, r.min_margin), 4) + " (rad or m).");
+  if (!r.margin_link.empty()) {
+    const double margin = std::max(0.0, r.min_margin);
+    lines.push_back("No joint limit is exceeded; the closest is that of " + r.margin_link + ", " +
+                    (r.margin_turns ? to_fixed(margin * 180 / std::numbers::pi, 1) + " degrees away." : mm(margin, 1) + " away."));
+  }
   for (std::size_t i = 0; i < r.at_limit.size() && i < 5; ++i)
     lines.push_back(r.at_limit[i].first + " is at a limit in " + std::to_string(r.at_limit[i].second) + " frames.");
   for (const Miss& m : r.misses)

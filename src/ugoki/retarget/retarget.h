@@ -42,6 +42,7 @@ struct RetargetReport {
   std::vector<Miss> misses;                  ///< standing feet and holding hands that miss their goal by more than 1 mm
   double min_margin = 0;                     ///< rad | m, smallest distance between a joint and its limit; infinite if no joint is limited
   std::string margin_link;                   ///< link of min_margin
+  bool margin_turns = true;                  ///< min_margin is an angle, rad; else a length, m
   std::vector<std::pair<std::string, int>> at_limit;  ///< (link, number of frames at a limit), sorted by this number, largest first
   double max_speed = 0;                               ///< largest ratio of a joint's speed to its speed limit; 0: no limits
   std::string speed_link;                             ///< link of max_speed

@@ -326,7 +326,7 @@ class Operation {
     Result<Motion> made = correction::correct_motion(m_, *part, o, &r);
     if (!made) return fail(std::move(made.error()));
     const auto change = [&](const char* what, double before, double after, int digits, const char* unit) {
-      report(std::string(what) + ": " + to_fixed(before, digits) + " before, " + to_fixed(after, digits) + " after" + unit + ".");
+      report(std::string(what) + ": " + to_fixed(before, digits) + unit + " before, " + to_fixed(after, digits) + unit + " after.");
     };
     change("Sliding of standing feet", r.before.skate_cm, r.after.skate_cm, 2, " cm");
     change("Depth in the ground", r.before.penetration_mm, r.after.penetration_mm, 1, " mm");

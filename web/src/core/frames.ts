@@ -136,6 +136,8 @@ export const assist_force = (frame: Frame, character: CharacterFrame): [number, 
 ];
 /** Root assist as a fraction of its cap; 1 at the cap. */
 export const assist_over_cap = (frame: Frame, character: CharacterFrame): number => frame.floats[character.data + 6]!;
+/** Applied root assist, force and moment together, as a fraction of its cap: from 0 to 1. */
+export const assist_of_cap = (frame: Frame, character: CharacterFrame): number => Math.min(1, Math.max(0, assist_over_cap(frame, character)));
 /** Body weight of a character, N. */
 export const body_weight = (frame: Frame, character: CharacterFrame): number => frame.floats[character.data + 7]!;
 /** Centre of mass of a character, world frame, m; without mass (fixed props) the origin of its first link. */

@@ -413,6 +413,10 @@ export class Session {
   /** Reports what an operation did, one sentence for each line: as a toast and in the log. */
   report(title: string, lines: readonly string[]): void {
     this.toast('info', [{ location: title, message: lines[0] ?? 'Done.' }, ...lines.slice(1).map((message) => ({ message }))]);
+    this.log_report(title, lines);
+  }
+
+  log_report(title: string, lines: readonly string[]): void {
     for (const line of lines) this.log('info', `${title} — ${line}`);
   }
 

@@ -1,5 +1,5 @@
 /** The cards of the player: root assist of the characters, and variables of the content. */
-import { assist_force, assist_over_cap, body_weight, CharacterState, state_of, type Frame } from '../core/frames';
+import { assist_of_cap, CharacterState, state_of, type Frame } from '../core/frames';
 import { variable_text } from '../core/variables';
 import type { Engine, Scene } from './engine';
 
@@ -13,14 +13,12 @@ export function show_assist(card: HTMLElement, scene: Scene, frame: Frame): void
     const at = frame.characters[i];
     if (!c.tracks || !at || lines.length >= max_lines) return;
     const released = state_of(frame, at) === CharacterState.released;
-    const weight = body_weight(frame, at);
-    const share = weight > 0 ? Math.hypot(...assist_force(frame, at)) / weight : 0;
-    const over = assist_over_cap(frame, at);
+    const over = assist_of_cap(frame, at);
     const line = document.createElement('div');
     line.dataset.grade = released || over > 0.7 ? 'bad' : over > 0.3 ? 'fair' : 'good';
     const [name, value] = [document.createElement('span'), document.createElement('span')];
     name.textContent = tracked.length > 1 ? `Assist, ${c.name}` : 'Root assist';
-    value.textContent = released ? 'released' : `${(100 * share).toFixed(1)} %`;
+    value.textContent = released ? 'released' : `${(100 * over * c.assist_limit).toFixed(1)} %`;
     line.append(name, value);
     lines.push(line);
   });

@@ -14,6 +14,8 @@ export interface SceneCharacter extends Material {
   mechanism: number;
   /** True: motion control follows a track, so a root assist may act. */
   tracks: boolean;
+  /** Limit of the root assist, body weights. */
+  assist_limit: number;
 }
 
 /** Description of the content, known before the first frame: scene_json() of the engine. */

@@ -92,7 +92,7 @@ function default_layout(api: DockviewApi): void {
   api.addPanel({ id: 'naturalness', component: 'naturalness', title: 'Naturalness', inactive: true, position: { referencePanel: 'scenario', direction: 'within' } });
   api.addPanel({ id: 'log', component: 'log', title: 'Log', inactive: true, position: { referencePanel: 'scenario', direction: 'within' } });
   const narrow = window.innerWidth < 1400;
-  api.addPanel({ id: 'library', component: 'library', title: 'Library', initialWidth: Math.round((narrow ? 220 : 248) * unit), position: { referencePanel: 'viewport', direction: 'left' } });
+  api.addPanel({ id: 'library', component: 'library', title: 'Library', initialWidth: Math.round((window.innerWidth < 1200 ? 220 : 248) * unit), position: { referencePanel: 'viewport', direction: 'left' } });
   add_poses(api);
   api.addPanel({ id: 'inspector', component: 'inspector', title: 'Inspector', initialWidth: Math.round((narrow ? 256 : 284) * unit), position: { referencePanel: 'viewport', direction: 'right' } });
   add_missing(api);
@@ -114,6 +114,7 @@ function add_missing(api: DockviewApi): void {
 }
 
 const min_viewport_width = 320; // px; with a smaller viewport the panels shrink with the window
+const min_viewport_share = 0.5; // of the height of a low window
 const smallest_share = 0.25; // of its size that a panel keeps in a very small window
 let laid_out_font = 0; // px: font size of the last lay_out()
 /** By group: the size that it has if the window is large enough (in font sizes), and the size that lay_out() gave it (px). */
@@ -162,7 +163,7 @@ function lay_out(api: DockviewApi, width: number, height: number): void {
     const sum = [...lines.values()].reduce((a, b) => a + b, 0);
     return sum > 0 ? Math.min(1, Math.max(smallest_share, (total - min_viewport) / sum)) : 1;
   };
-  const shares = { width: share('width', width, min_viewport_width), height: share('height', height, min_viewport_width / 2) };
+  const shares = { width: share('width', width, min_viewport_width), height: share('height', height, Math.max(min_viewport_width / 2, height * min_viewport_share)) };
   api.layout(width, height, true);
   for (const { group, axis, wanted } of sides) group.api.setSize({ [axis]: Math.round(wanted * font * shares[axis]) });
   for (const { group, axis, wanted } of sides) sizes.set(group.id, { wanted, given: group.element.getBoundingClientRect()[axis] });

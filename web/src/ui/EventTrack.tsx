@@ -1,6 +1,7 @@
 /** Tracks of events and of holds in the timeline. */
 import { type ReactElement } from 'react';
 import { apply_command, find_character, type ScenarioDocument, type ScenarioEvent } from '../core/document';
+import { event_rows, next_time } from '../core/event_rows';
 import { format_number, format_time } from '../core/format';
 import { describe_grip, grip_end, is_grip } from '../core/grips';
 import { is_selected, type Item } from '../core/items';
@@ -59,14 +60,13 @@ const gripping = (doc: ScenarioDocument): string[] => [...new Set(doc.events.fil
 const hold_row = (doc: ScenarioDocument, event: ScenarioEvent): number => gripping(doc).indexOf(`${event.character} ${event.link}`);
 const hold_rows = (doc: ScenarioDocument, holds: readonly ScenarioEvent[]): number => Math.max(1, ...holds.map((e) => hold_row(doc, e) + 1));
 
-/** Time of the first event of `row` after `event`, s; infinite if it is the last one. */
-const next_time = (row: readonly ScenarioEvent[], event: ScenarioEvent): number => Math.min(...row.map((e) => (e.time > event.time ? e.time : Infinity)));
-
 function EventRow({ doc, view, on_guide }: { doc: ScenarioDocument; view: TimeView; on_guide: (time: number | null) => void }): ReactElement {
   const selection = useStudio((s) => s.selection);
   const events = doc.events.filter((event) => !is_grip(event));
+  const rows = event_rows(events);
+  const row_of = (event: ScenarioEvent): number => rows.get(event.id) ?? 0;
   return (
-    <div className="track events">
+    <div className="track events" style={{ ['--rows' as string]: Math.max(1, ...[...rows.values()].map((row) => row + 1)) }}>
       <div className="track-name plain">
         <span className="dot" style={{ background: 'var(--event)' }} />
         <span className="label">Events</span>
@@ -74,7 +74,7 @@ function EventRow({ doc, view, on_guide }: { doc: ScenarioDocument; view: TimeVi
       <div className="lane">
         <div className="items" role="list" aria-label="Events">
           {events.map((event) => (
-            <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={is_selected(selection, { kind: 'event', event: event.id })} next={next_time(events, event)} />
+            <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={is_selected(selection, { kind: 'event', event: event.id })} next={next_time(events.filter((e) => row_of(e) === row_of(event)), event)} row={row_of(event)} />
           ))}
         </div>
         {doc.events.length === 0 && <span className="hint">Shift P adds a push at the playhead, Shift G a grab of the selected link</span>}
@@ -83,7 +83,7 @@ function EventRow({ doc, view, on_guide }: { doc: ScenarioDocument; view: TimeVi
   );
 }
 
-function EventPill({ event, doc, view, selected, on_guide, next, row }: { event: ScenarioEvent; doc: ScenarioDocument; view: TimeView; selected: boolean; on_guide: (time: number | null) => void; next: number; row?: number }): ReactElement {
+function EventPill({ event, doc, view, selected, on_guide, next, row }: { event: ScenarioEvent; doc: ScenarioDocument; view: TimeView; selected: boolean; on_guide: (time: number | null) => void; next: number; row: number }): ReactElement {
   const text = describe_event(event, doc);
   const duration = event.type === 'grab' ? grip_end(doc, event) - event.time : (event.duration ?? 0);
   const width = Math.max(min_pill_px, duration * view.scale);
@@ -121,7 +121,7 @@ function EventPill({ event, doc, view, selected, on_guide, next, row }: { event:
       className={`pill ${event.type}${selected ? ' selected' : ''}${short ? ' short' : ''}`}
       aria-label={`${text}, at ${format_time(event.time)}`}
       title={`${text}\nat ${format_number(event.time)} s`}
-      style={{ left: time_to_x(view, event.time), width, ...(row === undefined ? {} : { ['--row' as string]: row }) }}
+      style={{ left: time_to_x(view, event.time), width, ['--row' as string]: row }}
       onPointerDown={down}
       onFocus={(e) => select_focused(e, { kind: 'event', event: event.id })}
     >

@@ -1,6 +1,6 @@
 import { useEffect, useRef, useState, type DragEvent, type ReactElement } from 'react';
 import * as THREE from 'three';
-import { assist_force, assist_over_cap, body_weight, CharacterState } from '../core/frames';
+import { assist_of_cap, CharacterState } from '../core/frames';
 import { format_gap, format_percent } from '../core/format';
 import { bar_fraction, grade, measures, shown_value } from '../core/judge';
 import { show_key } from '../core/keymap';
@@ -13,6 +13,7 @@ import { comparer, gaits, page, parts, poser, registry, session, useControls, us
 import { FilmFrame, ThroughChoice } from './film/ThroughBar';
 import { Icon, type IconName } from './icons';
 import { CorrectionCard } from './motion/CorrectionCard';
+import { EventArrow } from './EventArrow';
 import { PathOverlay } from './motion/PathOverlay';
 import { PlayControlsBar } from './PlayControlsBar';
 import { PullBar } from './PullBar';
@@ -123,6 +124,7 @@ export function ViewportPanel(): ReactElement {
       </div>
       {viewport && <ViewCube viewport={viewport} />}
       {viewport && <PathOverlay viewport={viewport} />}
+      {viewport && <EventArrow viewport={viewport} />}
       {viewport && <PoseHandles viewport={viewport} />}
       {viewport && <PoseLabels viewport={viewport} />}
       <PoseTools />
@@ -289,6 +291,7 @@ function AssistCard(): ReactElement | null {
   const value = useRef<HTMLSpanElement>(null);
   const bar = useRef<HTMLDivElement>(null);
   const id = character?.id;
+  const limit = character?.control.assist_limit ?? 0;
   useEffect(() => {
     if (!simulate || !id) return;
     let smooth = 0;
@@ -296,16 +299,13 @@ function AssistCard(): ReactElement | null {
       const frame = session.frames.latest;
       const character_frame = frame?.characters[session.state.characters.findIndex((c) => c.id === id)];
       if (!frame || !character_frame || !value.current || !bar.current) return;
-      const weight = body_weight(frame, character_frame);
-      const share = weight > 0 ? Math.hypot(...assist_force(frame, character_frame)) / weight : 0;
-      smooth += (share - smooth) * 0.5;
-      const over = assist_over_cap(frame, character_frame);
-      value.current.textContent = format_percent(smooth);
-      bar.current.style.transform = `scaleX(${Math.min(1, Math.max(over, 0))})`;
-      bar.current.dataset.grade = over > 0.7 ? 'bad' : over > 0.3 ? 'fair' : 'good';
+      smooth += (assist_of_cap(frame, character_frame) - smooth) * 0.5;
+      value.current.textContent = format_percent(smooth * limit);
+      bar.current.style.transform = `scaleX(${smooth})`;
+      bar.current.dataset.grade = smooth > 0.7 ? 'bad' : smooth > 0.3 ? 'fair' : 'good';
     }, 100);
     return () => clearInterval(timer);
-  }, [simulate, id]);
+  }, [simulate, id, limit]);
   if (!simulate || !character) return null;
   const rest = measures.filter((m) => m.key === 'foot_skate_cm' || m.key === 'tracking_rms_deg');
   return (
@@ -317,7 +317,7 @@ function AssistCard(): ReactElement | null {
           {state === CharacterState.released && <span className="released">released</span>}
         </div>
       )}
-      <div className="measure" title="Current assist force on the root, in percent of body weight. The bar shows its share of the assist limit.">
+      <div className="measure" title="Present assist on the root, force and moment, in percent of body weight. The bar shows its share of the assist limit.">
         <span>Root assist</span>
         <span ref={value} className="value">0.0 %</span>
         <div className="bar"><div ref={bar} data-grade="good" /></div>

@@ -81,9 +81,10 @@ export const desk = new MotionDesk({
   fetch: (path) => access.fetch(path),
   fail: (error) => session.fail(error),
   report: (title, lines) => session.report(title, lines),
+  log_report: (title, lines) => session.log_report(title, lines),
   select: (selection) => session.select(selection),
   clip: ({ character, clip }) => (session.state.document ? find_clip(session.state.document, character, clip) : undefined),
-  corrected: ({ character, clip }, before, report) => void comparer.begin(character, clip, before, report),
+  corrected: ({ character, clip }, before, report) => comparer.begin(character, clip, before, report),
 });
 
 export const comparer: Comparer = new Comparer({ ask: (request) => session.ask(request), document: () => session.state.document });

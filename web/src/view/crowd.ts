@@ -22,6 +22,22 @@ function data_texture(values: Float32Array<ArrayBuffer>): THREE.DataTexture {
   return texture;
 }
 
+/** A geometry without instances that shares the attributes of `surface`. */
+function instanced(surface: THREE.BufferGeometry): THREE.InstancedBufferGeometry {
+  const geometry = new THREE.InstancedBufferGeometry();
+  for (const [name, attribute] of Object.entries(surface.attributes)) geometry.setAttribute(name, attribute);
+  geometry.setIndex(surface.index);
+  geometry.instanceCount = 0;
+  return geometry;
+}
+
+/** Frees what `geometry` has on the graphics processor, except the attributes and the index, which it shares with `surface`. */
+function dispose_instanced(geometry: THREE.InstancedBufferGeometry, surface: THREE.BufferGeometry): void {
+  for (const name of Object.keys(surface.attributes)) geometry.deleteAttribute(name);
+  geometry.setIndex(null);
+  geometry.dispose();
+}
+
 /** All characters that are drawn by one call: those of one surface that reflect, or do not reflect, an environment. */
 class Batch {
   readonly mesh: THREE.Mesh<THREE.InstancedBufferGeometry, THREE.MeshStandardMaterial>;
@@ -34,20 +50,15 @@ class Batch {
   private surfaces = new THREE.InstancedBufferAttribute(new Float32Array(0), 3);
 
   constructor(private readonly surface: CrowdSurface) {
-    const geometry = new THREE.InstancedBufferGeometry();
-    // the attributes are shared and not disposed with this geometry
-    for (const [name, attribute] of Object.entries(surface.geometry.attributes)) geometry.setAttribute(name, attribute);
-    geometry.setIndex(surface.geometry.index);
-    geometry.instanceCount = 0;
     this.uniforms = { u_links: { value: surface.links }, u_poses: { value: null }, u_marks: { value: null } };
-    this.mesh = new THREE.Mesh(geometry, crowd_material(this.uniforms, { own_colors: surface.geometry.hasAttribute('own_color'), by_vertices: surface.inverses !== null }));
+    this.mesh = new THREE.Mesh(instanced(surface.geometry), crowd_material(this.uniforms, { own_colors: surface.geometry.hasAttribute('own_color'), by_vertices: surface.inverses !== null }));
     this.mesh.customDepthMaterial = crowd_depth(this.uniforms);
     this.mesh.matrixAutoUpdate = false;
     this.mesh.frustumCulled = false; // the instances are anywhere
     this.mesh.castShadow = this.mesh.receiveShadow = true;
     this.mesh.raycast = () => undefined; // rays hit the shapes of the links
     const { shown, far, shadow } = surface;
-    const show = ({ start, count }: IndexRange): void => geometry.setDrawRange(start, count);
+    const show = ({ start, count }: IndexRange): void => this.mesh.geometry.setDrawRange(start, count);
     const eye = new THREE.Vector3();
     show(shown);
     this.mesh.onBeforeShadow = () => show(shadow);
@@ -104,12 +115,17 @@ class Batch {
     this.uniforms.u_marks.value = data_texture(this.marks);
     this.colors = new THREE.InstancedBufferAttribute(new Float32Array(3 * this.capacity), 3);
     this.surfaces = new THREE.InstancedBufferAttribute(new Float32Array(3 * this.capacity), 3);
+    // a new geometry, because three.js keeps the number of instances for which a geometry had space when it was first drawn
+    const former = this.mesh.geometry;
+    this.mesh.geometry = instanced(this.surface.geometry);
     this.mesh.geometry.setAttribute('a_color', this.colors);
     this.mesh.geometry.setAttribute('a_surface', this.surfaces);
+    dispose_instanced(former, this.surface.geometry);
     this.members = [];
   }
 
   dispose(): void {
+    dispose_instanced(this.mesh.geometry, this.surface.geometry);
     this.uniforms.u_poses.value?.dispose();
     this.uniforms.u_marks.value?.dispose();
     this.mesh.material.dispose();

@@ -419,8 +419,14 @@ export class Viewport {
     this.stage.focus(target, shadow_reach(this.each_sphere(), target, distance), distance);
     this.stage.render(this.rig.camera, still, draft);
     this.pictures++;
-    if (!this.framed_once && frame && this.drawn.size > 0 && this.drawn.size >= (this.session.state.document?.characters.length ?? 0)) this.first_view();
+    if (!this.framed_once && this.drawn.size > 0 && this.all_placed(frame)) this.first_view();
     for (const listener of this.listeners) listener(this);
+  }
+
+  /** Whether all characters of the document are drawn where `frame` has them. A character that is just added is in no frame yet. */
+  private all_placed(frame: Frame | null): boolean {
+    const count = this.session.state.document?.characters.length ?? 0;
+    return frame !== null && Math.min(this.drawn.size, frame.characters.length) >= count;
   }
 
   /** Sets the camera when all characters are drawn for the first time. */

@@ -49,13 +49,13 @@ export interface CompareState {
   on: boolean;
 }
 
-/** Rows of a report: "Sliding of standing feet: 2.40 before, 0.20 after cm." */
+/** Rows of a report: "Sliding of standing feet: 2.40 cm before, 0.20 cm after." */
 export function read_changes(report: readonly string[]): MeasureChange[] {
   return report.flatMap((line) => {
-    const found = /^(.+): (-?[\d.]+) before, (-?[\d.]+) after(.*)\.$/.exec(line);
+    const found = /^(.+): (-?[\d.]+) (.+) before, (-?[\d.]+) \3 after\.$/.exec(line);
     if (!found) return [];
-    const unit = found[4]!.trim();
-    return [{ name: short_names[found[1]!] ?? found[1]!, unit: short_units[unit] ?? unit, before: found[2]!, after: found[3]! }];
+    const unit = found[3]!;
+    return [{ name: short_names[found[1]!] ?? found[1]!, unit: short_units[unit] ?? unit, before: found[2]!, after: found[4]! }];
   });
 }
 
@@ -94,16 +94,17 @@ export class Comparer {
     return this.store.getState();
   }
 
-  /** Begins a comparison after a correction. @param before the clip as it was  @param report of the operation */
-  async begin(character: string, clip: string, before: Clip, report: readonly string[]): Promise<void> {
+  /** Begins a comparison after a correction. @param before the clip as it was  @param report of the operation  @return whether it can be shown */
+  async begin(character: string, clip: string, before: Clip, report: readonly string[]): Promise<boolean> {
     const document = this.host.document();
     const motion = document && find_clip(document, character, clip)?.motion;
-    if (!motion) return;
+    if (!motion) return false;
     try {
       const reply = (await this.host.ask({ op: 'compare', character, clip, before })) as unknown as CompareReply;
       this.store.setState({ comparison: { character, clip, motion, changes: read_changes(report), reply }, on: true });
+      return true;
     } catch {
-      // the correction itself succeeded; without the earlier motion there is nothing to compare
+      return false; // the correction itself succeeded; without the earlier motion there is nothing to compare
     }
   }
 

@@ -47,11 +47,14 @@ export interface DeskHost {
   fail(error: Error): void;
   /** Shows the result of an operation, a sentence for each line. */
   report(title: string, lines: string[]): void;
+  /** Writes the report of an operation to the log only. */
+  log_report(title: string, lines: string[]): void;
   select(selection: Selection): void;
   /** The clip as the document has it. */
   clip(target: ClipTarget): Clip | undefined;
   /** A correction has changed a clip. */
-  corrected(target: ClipTarget, before: Clip, report: readonly string[]): void;
+  /** @return whether the comparison of before and after is shown */
+  corrected(target: ClipTarget, before: Clip, report: readonly string[]): Promise<boolean>;
 }
 
 export class MotionDesk {
@@ -85,8 +88,9 @@ export class MotionDesk {
       if (reply.cancelled === true) return false;
       if (typeof reply.character === 'string' && typeof reply.clip === 'string') this.host.select({ kind: 'clip', character: reply.character, clip: reply.clip });
       const report = Array.isArray(reply.report) ? reply.report.map(String) : [];
-      if (before && reply.clip === before.id && typeof reply.character === 'string') this.host.corrected({ character: reply.character, clip: before.id }, before, report);
-      if (!quiet || report.length > 0) this.host.report(label, report);
+      const compared = before && reply.clip === before.id && typeof reply.character === 'string' && (await this.host.corrected({ character: reply.character, clip: before.id }, before, report));
+      if (compared) this.host.log_report(label, report); // the comparison shows the same numbers
+      else if (!quiet || report.length > 0) this.host.report(label, report);
       return true;
     } catch (error) {
       this.host.fail(error as Error);

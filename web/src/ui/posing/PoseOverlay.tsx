@@ -60,9 +60,9 @@ export function PoseTools(): ReactElement | null {
             <button type="button" aria-pressed={moves === 'body'} title={`A drag moves the whole body; pinned links keep their place${key_hint('pose.moves')}`} onClick={() => poser.set_moves('body')}>Body</button>
             <button type="button" aria-pressed={moves === 'physics'} title={`The body follows the hand as a body: with inertia, joints that resist, limits, and the floor; pinned links are held${key_hint('pose.moves')}`} onClick={() => poser.set_moves('physics')}>Physics</button>
           </span>
-          <button type="button" disabled={!target} title={`Mirror the pose${key_hint('pose.mirror')}`} onClick={() => run('pose.mirror')}><Icon name="mirror" /> Mirror</button>
-          <button type="button" disabled={!target} title={`Key the selected joint${key_hint('pose.key')}; the whole character${key_hint('pose.key_all')}`} onClick={() => run('pose.key')}><Icon name="key" /> Key</button>
-          <button type="button" className="auto-key" aria-pressed={auto_key} title="Every change of a pose sets keys for the joints that changed" onClick={() => run('pose.auto_key')}><span className="key-dot" /> Auto-key</button>
+          <button type="button" disabled={!target} aria-label="Mirror" title={`Mirror the pose${key_hint('pose.mirror')}`} onClick={() => run('pose.mirror')}><Icon name="mirror" /><span className="word">Mirror</span></button>
+          <button type="button" disabled={!target} aria-label="Key" title={`Key the selected joint${key_hint('pose.key')}; the whole character${key_hint('pose.key_all')}`} onClick={() => run('pose.key')}><Icon name="key" /><span className="word">Key</span></button>
+          <button type="button" className="auto-key" aria-label="Auto-key" aria-pressed={auto_key} title="Every change of a pose sets keys for the joints that changed" onClick={() => run('pose.auto_key')}><span className="key-dot" /><span className="word">Auto-key</span></button>
           {pending && !auto_key && (
             <span className="pose-pending" role="status">
               Not keyed

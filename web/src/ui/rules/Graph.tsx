@@ -126,6 +126,8 @@ function label(doc: ScenarioDocument, edge: GraphEdge, motion_name: MotionName):
 const back_label = (edge: GraphEdge): string => (edge.mode === 'while' ? 'released' : 'ends');
 
 const longest_label = 18; // characters; longer labels would overlap the states
+const letter_width = 6; // px, mean width of a letter of a label
+const arrow_head = 8; // px
 
 /** A transition: outward arrows bend upwards, returning ones downwards. */
 function Arrow({ edge, from, to, active, text }: { edge: GraphEdge; from: { x: number; y: number }; to: { x: number; y: number }; active: boolean; text: string }): ReactElement {
@@ -143,10 +145,14 @@ function Arrow({ edge, from, to, active, text }: { edge: GraphEdge; from: { x: n
   const t = edge.back ? 0.28 : 0.72;
   const point = (a: number, b: number, c: number, d: number): number => (1 - t) ** 3 * a + 3 * (1 - t) ** 2 * t * b + 3 * (1 - t) * t * t * c + t ** 3 * d;
   const shown = text.length > longest_label ? `${text.slice(0, longest_label - 1)}…` : text;
+  // between states, the label stays in the gap
+  const half = (shown.length * letter_width) / 2;
+  const middle = point(x0, c0, c1, x1);
+  const x = same ? middle : Math.max(Math.min(x0, x1) + half, Math.min(Math.max(x0, x1) - half - arrow_head, middle));
   return (
     <Fragment>
       <path className="rule-arrow" data-active={active} data-back={edge.back} d={`M${x0} ${y0}C${c0} ${y0} ${c1} ${y1} ${x1} ${y1}`} markerEnd="url(#rule-arrow)" />
-      <text className="rule-arrow-label" data-back={edge.back} x={point(x0, c0, c1, x1)} y={point(y0, y0, y1, y1) + (edge.back ? 13 : -5)} textAnchor="middle">
+      <text className="rule-arrow-label" data-back={edge.back} x={x} y={point(y0, y0, y1, y1) + (edge.back ? 13 : -5)} textAnchor="middle">
         {shown}
         <title>{text}</title>
       </text>

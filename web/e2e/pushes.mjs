@@ -1,0 +1,65 @@
+// Journeys with events of the timeline: the arrow of a push in the viewport, and events at the same time.
+import assert from 'node:assert/strict';
+import { fileURLToPath } from 'node:url';
+import { blur, document_of, painted, rested, set_mode, text_of, undo_to, until } from './browser.mjs';
+import { mock } from './service.mjs';
+
+const skip = mock && 'the mock service has no history';
+const pictures = fileURLToPath(new URL('./out/', import.meta.url));
+const middle = async (locator) => {
+  const box = await locator.boundingBox();
+  return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+};
+
+export const push_journeys = [
+  {
+    name: 'push: the arrow of a push is dragged in the viewport as one undo step; Escape restores it',
+    async run({ page }) {
+      await set_mode(page, 'Edit');
+      const before = await text_of(page);
+      const count = JSON.parse(before).events.length;
+      await page.locator('.track-name').first().click();
+      await blur(page);
+      await page.keyboard.press('f');
+      await page.keyboard.press('Shift+P');
+      const push = await until(page, async () => (await document_of(page)).events.length > count && (await document_of(page)).events.find((e) => e.type === 'push'), 'the push');
+      const added = await text_of(page);
+      await rested(page);
+      const tip = page.locator('.arrow-tip');
+      const drag = async (dx, dy) => {
+        const from = await middle(tip);
+        await page.mouse.move(from.x, from.y);
+        await page.mouse.down();
+        await page.mouse.move(from.x + dx, from.y + dy, { steps: 4 });
+        await painted(page);
+        const shown = await middle(tip);
+        assert.ok(Math.hypot(shown.x - from.x - dx, shown.y - from.y - dy) < 4, `the tip is under the pointer: ${JSON.stringify([from, shown])}`);
+      };
+      await page.screenshot({ path: `${pictures}push-arrow.png` });
+      await drag(60, 20);
+      assert.equal(await text_of(page), added, 'nothing is sent during the drag');
+      await page.keyboard.press('Escape');
+      await page.mouse.up();
+      await painted(page);
+      assert.equal(await text_of(page), added, 'Escape restores the force');
+      await drag(70, 24);
+      await page.mouse.up();
+      const changed = await until(page, async () => (await text_of(page)) !== added && (await document_of(page)).events.find((e) => e.id === push.id), 'the changed push');
+      assert.ok(Math.hypot(...changed.force.map((f, i) => f - push.force[i])) > 20 && Math.abs(changed.force[2] - push.force[2]) < 1e-9, `the force changed over the floor: ${push.force} to ${changed.force}`);
+      await page.keyboard.press('Control+z');
+      await until(page, async () => (await text_of(page)) === added, 'one undo step');
+
+      // pushes of two characters at the same time: below each other
+      await page.locator('.track-name').nth(1).click();
+      await blur(page);
+      await page.keyboard.press('Shift+P');
+      await until(page, async () => (await document_of(page)).events.length === count + 2, 'the second push');
+      await painted(page);
+      const boxes = await page.locator('.pill.push .pill-text').evaluateAll((texts) => texts.map((t) => t.getBoundingClientRect()).map((b) => ({ left: b.left, right: b.right, top: b.top, bottom: b.bottom })));
+      assert.ok(boxes.length >= 2, 'both texts are shown');
+      for (const [i, a] of boxes.entries()) for (const b of boxes.slice(0, i)) assert.ok(a.right <= b.left || b.right <= a.left || a.bottom <= b.top + 1 || b.bottom <= a.top + 1, `the texts do not overlap: ${JSON.stringify([a, b])}`);
+      await page.screenshot({ path: `${pictures}push-rows.png` });
+      await undo_to(page, before);
+    },
+  },
+].map((journey) => ({ ...journey, skip }));
