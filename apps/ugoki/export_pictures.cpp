@@ -22,6 +22,7 @@
 #include "ugoki/publish/parts.h"
 #include "ugoki/studio/launch_page.h"
 #include "ugoki/studio/server.h"
+#include "video_files.h"
 
 namespace ugoki::cli {
 namespace {
@@ -169,110 +170,6 @@ Result<Children> start_browsers(const std::string& browser, int count, bool grap
   return out;
 }
 
-/// The videos that ffmpeg writes. Each is a temporary file until finish(); files that are not finished are removed.
-class Videos {
- public:
-  Videos(std::string ffmpeg, const Plan& plan, const PictureOptions& o, fs::path log)
-      : ffmpeg_(std::move(ffmpeg)), log_(std::move(log)), planar_(plan.planar) {
-    input_ = {"-f",       "rawvideo",
-              "-pix_fmt", planar_ ? "yuv420p" : "rgba",
-              "-s",       std::to_string(o.width) + "x" + std::to_string(o.height),
-              "-r",       to_text(plan.rate),
-              "-i",       "-",
-              "-an"};
-    alpha_ = o.transparent;
-  }
-  Videos(const Videos&) = delete;
-  Videos& operator=(const Videos&) = delete;
-  ~Videos() {
-    for (Video& v : started_) {
-      v.ffmpeg.reset();
-      std::error_code ignored;
-      if (!v.part.empty()) fs::remove(v.part, ignored);
-    }
-  }
-
-  Result<void> start(const PictureOutputs& outputs) {
-    if (Result<void> done = start(outputs.mp4, ".mp4",
-                                  coder({"-c:v", "libx264", "-preset", "ultrafast", "-aq-mode", "1", "-crf", "18", "-pix_fmt", "yuv420p",
-                                         "-movflags", "+faststart"}));
-        !done)
-      return done;
-    if (Result<void> done = start(outputs.webm, ".webm",
-                                  coder({"-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-row-mt", "1", "-deadline", "good", "-cpu-used",
-                                         "5", "-pix_fmt", alpha_ ? "yuva420p" : "yuv420p"}));
-        !done)
-      return done;
-    return start(outputs.gif, ".gif",
-                 {"-vf", "vflip,split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=4", "-loop", "0"});
-  }
-
-  Result<void> write(const std::string& picture) {
-    for (const Video& v : started_)
-      if (!v.ffmpeg->write(picture))
-        return fail(ErrorCode::io, v.file, "ffmpeg stopped." + tail_of(log_),
-                    "Check the permissions of the folder and the free space on the disk.");
-    return {};
-  }
-
-  /// Completes the files. @return their names
-  Result<std::vector<std::string>> finish() {
-    std::vector<std::string> written;
-    for (Video& v : started_) {
-      if (!v.ffmpeg->wait())
-        return fail(interrupted()
-                        ? interrupted_error()
-                        : Error(ErrorCode::io, v.file, "ffmpeg reported an error." + tail_of(log_), "Check that ffmpeg has the codec."));
-      std::error_code ec;
-      fs::rename(v.part, v.file, ec);
-      if (ec) return fail(ErrorCode::io, v.file, "The video cannot be renamed: " + ec.message() + ".", "Check the folder's permissions.");
-      v.part.clear();
-      written.push_back(v.file);
-    }
-    return written;
-  }
-
- private:
-  struct Video {
-    std::string file, part;
-    std::unique_ptr<Child> ffmpeg;
-  };
-
-  // Videos have the colours of ITU-R BT.709, limited range. The file states this, because players assume BT.709 for large pictures only.
-  // The rows of RGBA pictures arrive from the bottom to the top, in the order of WebGL; vflip turns them.
-  [[nodiscard]] std::vector<std::string> coder(std::initializer_list<const char*> words) const {
-    std::vector<std::string> out;
-    if (!planar_) out = {"-vf", "vflip,scale=out_color_matrix=bt709:out_range=tv"};
-    out.insert(out.end(), words.begin(), words.end());
-    out.insert(out.end(), {"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"});
-    return out;
-  }
-
-  /// Starts ffmpeg for one file; does nothing if `file` is empty.
-  Result<void> start(const std::string& file, const char* ending, const std::vector<std::string>& codec) {
-    if (file.empty()) return {};
-    const fs::path target = file;
-    std::error_code missing;
-    if (fs::exists(target, missing) && !fs::is_regular_file(target, missing))
-      return fail(ErrorCode::io, file, "Videos can be written only to files, not to folders, pipes and devices.", "Name another file.");
-    const std::string part = (target.parent_path() / ("." + target.filename().string() + ".part" + ending)).string();
-    std::vector<std::string> command = {ffmpeg_, "-hide_banner", "-loglevel", "error", "-y"};
-    command.insert(command.end(), input_.begin(), input_.end());
-    command.insert(command.end(), codec.begin(), codec.end());
-    command.push_back(part);
-    Result<std::unique_ptr<Child>> child = Child::start(command, true, log_.string());
-    if (!child) return fail(std::move(child.error()));
-    started_.push_back({file, part, std::move(*child)});
-    return {};
-  }
-
-  std::string ffmpeg_;
-  fs::path log_;
-  bool planar_ = false, alpha_ = false;
-  std::vector<std::string> input_;  // arguments that describe the pictures
-  std::vector<Video> started_;
-};
-
 /// Waits for a picture, until it has arrived or drawing has failed.
 Result<PictureReceiver::Picture> next_picture(PictureReceiver& receiver, int number, const Plan& plan, bool png, const Children& drawing,
                                               const std::string& browser, const fs::path& log) {
@@ -355,7 +252,7 @@ Result<std::vector<std::string>> export_pictures(const std::string& page, const 
   const fs::path log = folder / "browser.log";
   const Result<Children> drawing = start_browsers(*browser, browsers, graphics_processor, "file://" + (*launch)->path(), folder, log);
   if (!drawing) return fail(drawing.error());
-  Videos videos(ffmpeg, *plan, o, folder / "ffmpeg.log");
+  VideoFiles videos(ffmpeg, {o.width, o.height, plan->rate, plan->planar, o.transparent}, folder / "ffmpeg.log");
   if (Result<void> done = videos.start(outputs); !done) return fail(std::move(done.error()));
 
   std::vector<std::string> written;
