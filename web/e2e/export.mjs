@@ -772,21 +772,23 @@ const sweep = (count, table, ...more) => ['bake', at('park.ugoki'), '--vary', `p
 
 await test('a sweep that is killed several times gives the complete table and repeats no finished run', async () => {
   const [count, kills] = slow ? [1000, 5] : [80, 3];
+  const began = Date.now();
   run(...sweep(count, 'whole.db', '--csv', at('whole.csv')));
+  const part = (Date.now() - began) / (kills + 1); // ms after which a sweep is killed: each one computes a part of the runs
   const whole = rows_of(readFileSync(at('whole.csv'), 'utf8'));
   expect(whole.length === count && whole.every((r) => r.status === 'done'), `${whole.length} rows`);
   expect(new Set(whole.map((r) => r.state_hash)).size > count / 2, 'the variations have no effect');
-  let before = 0;
   for (let i = 0; i < kills; i++) {
     const killed = spawn(ugoki, sweep(count, 'killed.db', '--json'), { stdio: 'ignore' });
     const ended = new Promise((done) => killed.on('exit', (code, signal) => done(signal)));
-    await new Promise((done) => setTimeout(done, slow ? 1500 : 500));
+    await new Promise((done) => setTimeout(done, part));
     killed.kill('SIGKILL');
     if ((await ended) !== 'SIGKILL') break; // the sweep ended before it could be killed
   }
   const last = JSON.parse(run(...sweep(count, 'killed.db', '--json', '--csv', at('killed.csv'))));
-  before = count - last.added;
+  const before = count - last.added;
   console.log(`# ${kills} kills, ${before} of ${count} runs were kept from before the last call`);
+  expect(before > 0, 'the killed sweeps have kept nothing');
   const strip = (rows) => rows.map(({ processor_s, ...rest }) => JSON.stringify(rest)).join('\n');
   expect(strip(rows_of(readFileSync(at('killed.csv'), 'utf8'))) === strip(whole), 'the tables differ');
   const again = JSON.parse(run(...sweep(count, 'killed.db', '--json')));
