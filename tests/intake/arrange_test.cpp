@@ -57,6 +57,32 @@ TEST(Arrange, AnotherRootKeepsTheOtherJointsInTheWorld) {
   }
 }
 
+TEST(Arrange, JointsWithoutABoneAreMergedOrLeftOut) {
+  const MeasuredMotion plain = body::testing::made_character(30);
+  MeasuredMotion rig = plain;
+  const int hips = find(rig, "Hips");
+  const Vec3 place = rig.skeleton.joints[static_cast<std::size_t>(find(rig, "Spine"))].offset;
+  append_rigid(rig, "Carrier", hips, place, {});
+  append_rigid(rig, "Point", hips, {}, {});
+  std::vector<int> parents(rig.skeleton.joints.size(), -1);
+  parents[static_cast<std::size_t>(find(rig, "Spine"))] = find(rig, "Carrier");
+  reparent({&rig, 1}, parents);
+  std::vector<std::vector<Pose>> world = world_of(rig);
+  for (std::size_t f = 0; f < world.size(); ++f)
+    for (const char* turned : {"Carrier", "Point"})
+      world[f][static_cast<std::size_t>(find(rig, turned))].R = to_matrix(axis_angle({1, 0, 0}, 0.01 * static_cast<double>(f)));
+  set_world(rig, world);
+  std::vector<std::string> report;
+  const body::Character character = arrange({&rig, 1}, report, nullptr, false);
+  EXPECT_EQ(character.plan, body::BodyPlan::human);
+  EXPECT_EQ(rig.joint_count(), plain.joint_count());
+  EXPECT_EQ(std::max(find(rig, "Carrier"), find(rig, "Point")), -1);
+  EXPECT_LT(max_distance(plain, rig), 1e-9);
+  ASSERT_EQ(report.size(), 2u);
+  EXPECT_NE(report[0].find("carry nothing were left out: Point."), std::string::npos) << report[0];
+  EXPECT_NE(report[1].find("merged with it: Carrier."), std::string::npos) << report[1];
+}
+
 TEST(Arrange, ARootAtTheChestGivesTheSameCharacter) {
   MeasuredMotion motion = body::testing::made_character(60);
   make_root(motion, find(motion, "Chest"));

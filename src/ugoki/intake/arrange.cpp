@@ -8,6 +8,7 @@
 #include "ugoki/base/number.h"
 #include "ugoki/body/joint_names.h"
 #include "ugoki/body/limb_geometry.h"
+#include "ugoki/intake/coincident_joints.h"
 #include "ugoki/intake/conversion_report.h"
 #include "ugoki/intake/correction.h"
 #include "ugoki/intake/deform_bones.h"
@@ -556,10 +557,9 @@ body::Character arrange_with_paws(std::span<MeasuredMotion> motions, std::vector
   return again;
 }
 
-}  // namespace
-
-body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
-                        bool mesh_ends) {
+/// As arrange(); several joints can be at one place.
+body::Character arrange_plan(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
+                             bool mesh_ends) {
   body::Character character = arrange_with_paws(motions, report, mapping, mesh_ends);
   if (character.plan == body::BodyPlan::four_legs && !mapping)
     if (std::optional<body::Character> human = human_in_most(motions)) {
@@ -575,6 +575,24 @@ body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::stri
   if (again.plan != character.plan) return character;
   std::ranges::move(moved, motions.begin());
   report.push_back(std::move(change));
+  return again;
+}
+
+}  // namespace
+
+body::Character arrange(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
+                        bool mesh_ends) {
+  body::Character character = arrange_plan(motions, report, mapping, mesh_ends);
+  std::vector<MeasuredMotion> merged(motions.begin(), motions.end());
+  const CoincidentJoints joints = merge_coincident_joints(merged, character);
+  if (joints.empty()) return character;
+  body::Character again = body::recognise_character(*std::ranges::max_element(merged, {}, &MeasuredMotion::frames), mapping);
+  if (again.plan != character.plan) return character;
+  std::ranges::move(merged, motions.begin());
+  if (!joints.points.empty())
+    report.push_back("Joints at the place of another joint that carry nothing were left out: " + list_of(joints.points) + ".");
+  if (!joints.carriers.empty())
+    report.push_back("Joints that carry one joint at their own place were merged with it: " + list_of(joints.carriers) + ".");
   return again;
 }
 
