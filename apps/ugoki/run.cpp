@@ -34,9 +34,16 @@ struct Options {
 struct Content {
   std::string name;
   std::vector<std::byte> ugx;
-  int frames = 0;     ///< recorded frames of a clip; 0: use the number of display frames
-  double height = 0;  ///< height of the recorded person of a clip, m; 0: not known
+  int frames = 0;                   ///< recorded frames of a clip; 0: use the number of display frames
+  double height = 0;                ///< height of the recorded person of a clip, m; 0: not known
+  std::vector<std::string> checks;  ///< sentences: what dynamics cannot follow in a measured motion
 };
+
+/// Whether a run follows its motion so badly that the user needs the reason.
+bool is_lost(const content::PlayerMeasures& m) {
+  constexpr double far_deg = 10;  // joints; clean captures are followed within 4 degrees
+  return m.fell || m.release_time >= 0 || m.tracking_rms_deg > far_deg;
+}
 
 /// Applies --rate, --assist-limit (all characters) and --push (the first character that follows a track) to the scenario.
 Result<void> apply_options(content::Scenario& s, const content::Resources& resources, const Options& options) {
@@ -90,6 +97,7 @@ Result<Content> load(const Options& options) {
   out.name = scene->name;
   out.frames = scene->frames;
   out.height = scene->height;
+  out.checks = scene->checks;
   if (Result<void> done = apply_options(scene->scenario, scene->resources, options); !done) return fail(std::move(done.error()));
   Result<std::vector<std::byte>> ugx = content::generate(scene->scenario, scene->resources);
   if (!ugx) return fail(std::move(ugx.error()));
@@ -168,6 +176,7 @@ int run_run(const Options& options) {
       characters.push_back(std::move(character));
     }
     json["characters"] = std::move(characters);
+    json["checks"] = content->checks;
     json["touches"] = Json::array();
     for (const content::PlayerTouch& t : report->touches) json["touches"].push_back(touch_json(*report, t));
     json["touch_count"] = report->touch_count;
@@ -193,6 +202,10 @@ int run_run(const Options& options) {
                     to_fixed(m.penetration_mm, 1), m.release_time >= 0 ? to_fixed(m.release_time, 2) : "-", m.fell ? "yes" : "no"});
   }
   print_table(rows);
+  if (is_lost(worst)) {
+    for (const std::string& sentence : content->checks) print_line(sentence);
+    print_line("`ugoki judge " + options.target + "` shows when the motion needs forces that the ground cannot give.");
+  }
   return 0;
 }
 

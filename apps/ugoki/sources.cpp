@@ -9,6 +9,7 @@
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/intake/mapping_file.h"
+#include "ugoki/intake/support.h"
 #include "ugoki/motion/clip.h"
 #include "ugoki/project/project.h"
 #include "ugoki/project/project_file.h"
@@ -23,7 +24,14 @@ Result<ClipSource> clip_of(intake::Intake loaded) {
   if (!loaded.motion)
     return fail(ErrorCode::structure, loaded.source, "The file contains a mechanism without a motion.", "Name a BVH or AMC file.");
   return ClipSource{loaded.motion->name, loaded.mechanism, std::make_shared<const Motion>(std::move(*loaded.motion)),
-                    loaded.body ? loaded.body->height : 0};
+                    loaded.body ? loaded.body->height : 0, std::move(loaded.conversion.check)};
+}
+
+/// Adds what dynamics cannot follow. A measured file has been checked when it was taken in.
+ClipSource checked(ClipSource clip) {
+  if (std::string sentence = intake::describe_missing_support(*clip.mechanism, *clip.motion, clip.height); !sentence.empty())
+    clip.checks.push_back(std::move(sentence));
+  return clip;
 }
 
 Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions& options) {
@@ -50,7 +58,7 @@ Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions&
     body_options.mass = options.intake.mass;
     Result<body::Body> body = body::make_body(*measured, body_options);
     if (!body) return fail(std::move(body.error()));
-    return ClipSource{entry->name, body->mechanism, std::make_shared<const Motion>(body::to_motion(*body, *measured)), body->height};
+    return checked({entry->name, body->mechanism, std::make_shared<const Motion>(body::to_motion(*body, *measured)), body->height});
   }
   Result<Motion> motion = formats::read_motion(*data, location);
   if (!motion) return fail(std::move(motion.error()));
@@ -66,7 +74,7 @@ Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions&
                                                            "library entry " + mechanism_id);
   if (!mechanism) return fail(std::move(mechanism.error()));
   const double height = summary.contains("height") && summary["height"].is_number() ? summary["height"].get<double>() : 0;
-  return ClipSource{entry->name, std::move(*mechanism), std::make_shared<const Motion>(std::move(*motion)), height};
+  return checked({entry->name, std::move(*mechanism), std::make_shared<const Motion>(std::move(*motion)), height});
 }
 
 }  // namespace
@@ -264,6 +272,7 @@ Result<SceneSource> load_scene(const std::string& target, const SourceOptions& o
   out.name = clip->name;
   out.frames = clip->motion->frames;
   out.height = clip->height;
+  out.checks = clip->checks;
   return out;
 }
 

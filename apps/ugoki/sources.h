@@ -56,7 +56,8 @@ struct ClipSource {
   std::string name;
   MechanismPtr mechanism;
   MotionPtr motion;
-  double height = 0;  ///< height of the recorded person, m; 0: not known
+  double height = 0;                     ///< height of the recorded person, m; 0: not known
+  std::vector<std::string> checks = {};  ///< sentences: what dynamics cannot follow in a measured motion
 };
 /// Loads a clip from a measured file, or from an entry of the library (motion or measured data).
 [[nodiscard]] Result<ClipSource> load_clip(const std::string& target, const SourceOptions& options);
@@ -71,8 +72,9 @@ struct SceneSource {
   std::string name;
   content::Scenario scenario;
   content::Resources resources;
-  int frames = 0;     ///< recorded frames of a clip; 0: a project
-  double height = 0;  ///< height of the recorded person of a clip, m; 0: not known
+  int frames = 0;                   ///< recorded frames of a clip; 0: a project
+  double height = 0;                ///< height of the recorded person of a clip, m; 0: not known
+  std::vector<std::string> checks;  ///< of a clip
 };
 /// Loads a project, or a clip as a scenario with one character. @param step s: step size of a clip's scenario
 [[nodiscard]] Result<SceneSource> load_scene(const std::string& target, const SourceOptions& options, double step);

@@ -128,6 +128,23 @@ TEST(Body, CentreOfMassOfAnUprightCharacterIsThatOfHumans) {
   EXPECT_NEAR(c.x, 0.02, 0.03);
 }
 
+TEST(Body, ATrunkJointThatIsNoLowerThanTheNextOneHasAMass) {
+  MeasuredMotion measured = testing::made_character();
+  const auto chest = std::ranges::find(measured.skeleton.joints, "Chest", &SkeletonJoint::name);
+  ASSERT_NE(chest, measured.skeleton.joints.end());
+  const auto index = static_cast<std::size_t>(chest - measured.skeleton.joints.begin());
+  chest->offset = {0.02, 0, -0.01};
+  for (int f = 0; f < measured.frames; ++f)
+    measured.translations[static_cast<std::size_t>(f) * measured.skeleton.joints.size() + index] = chest->offset;
+  const auto body = make_body(measured, {});
+  ASSERT_TRUE(body.has_value()) << body.error().text();
+  ASSERT_TRUE(body->human);
+  const Mechanism& m = *body->mechanism;
+  const double spine = m.link(m.find_link("Spine")).inertia.mass;
+  EXPECT_GT(spine, 0.002 * m.mass());
+  EXPECT_LT(spine, 0.05 * m.mass());
+}
+
 TEST(Body, SegmentsHaveTheMassesOfTheTable) {
   const MeasuredMotion measured = testing::made_character();
   BodyOptions options;

@@ -185,6 +185,23 @@ TEST_F(MotionCliTest, GaitBringsItsGround) {
 }
 
 // Two of these speeds fall if the computed motion is not filtered.
+TEST_F(MotionCliTest, ARunThatIsLostNamesItsReasons) {
+  MeasuredMotion belt = samples::make_human_walk();
+  for (int f = 0; f < belt.frames; ++f) {
+    Vec3& root = belt.translations[static_cast<std::size_t>(f) * belt.skeleton.joints.size()];
+    root = {belt.translations[0].x, belt.translations[0].y, root.z};
+  }
+  const std::string in_place = write("belt.bvh", formats::write_bvh(belt));
+  const Json lost = json({"run", in_place, "--assist-limit", "0"});
+  EXPECT_TRUE(lost["fell"].get<bool>());
+  ASSERT_EQ(lost["checks"].size(), 1u);
+  EXPECT_NE(lost["checks"][0].get<std::string>().find("walks in place"), std::string::npos);
+  const std::string text = ugoki({"run", in_place, "--assist-limit", "0"}).out;
+  EXPECT_NE(text.find(lost["checks"][0].get<std::string>()), std::string::npos) << text;
+  EXPECT_TRUE(json({"run", walk_})["checks"].empty());
+  EXPECT_EQ(ugoki({"run", walk_}).out.find("ugoki judge"), std::string::npos) << "a walk that is followed has no reasons";
+}
+
 TEST_F(MotionCliTest, RigidPartsThatMoveAreAMotionForEveryVerb) {
   const std::string box = std::string(UGOKI_SHARED_DATA) + "/gltf/box_animated.gltf";
   EXPECT_NEAR(json({"run", box})["duration_s"].get<double>(), 3.69, 0.01);

@@ -102,8 +102,11 @@ class Distributor {
     double shoulders = 0;
     for (const int side : {1, -1}) shoulders += joints_of(Part::shoulder, side).empty() ? 0 : shoulder_share;
     for (std::size_t k = 0; k < a_.trunk.size(); ++k) {
+      // A joint that is no lower than the next one gets a thin slice: without mass, it could turn about its bone without any inertia.
+      const double thin = z[k + 1] > z[k] ? 0 : 0.01 * height;
       for (const Slice& s : slices) {
-        const double from = std::max(z[k], bottom + s.bottom * height), to = std::min(z[k + 1], bottom + s.top * height);
+        const double from = std::max(z[k] - thin, bottom + s.bottom * height);
+        const double to = std::min(z[k + 1] + thin, bottom + s.top * height);
         if (to <= from) continue;
         double mass = s.segment->mass * (to - from) / ((s.top - s.bottom) * height);
         if (s.segment == &t_.upper_trunk) mass *= 1 - shoulders / s.segment->mass;
