@@ -8,6 +8,7 @@
 #include "allocation_count.h"
 #include "random_shapes.h"
 #include "ugoki/collision/broad_phase.h"
+#include "ugoki/collision/pair_table.h"
 #include "ugoki/mechanism/state.h"
 
 namespace ugoki::collision {
@@ -137,6 +138,24 @@ void compare(Crowd crowd, test::Random& random, const std::vector<int>& self, co
     max_found = std::max(max_found, found.size());
   }
   EXPECT_GT(max_found, minimum);
+}
+
+/// The warm start of a pair must be empty after forget(), and other pairs must not see it.
+TEST(PairTable, ForgottenPairsBeginWithoutWarmStart) {
+  PairTable table;
+  constexpr std::uint64_t pairs = 1000;  // enough for several enlargements of the table
+  for (std::uint64_t key = 1; key <= pairs; ++key) {
+    EXPECT_EQ(table.at(key).count, 0);
+    table.at(key).count = static_cast<std::int32_t>(key);
+  }
+  for (std::uint64_t key = 1; key <= pairs; ++key) EXPECT_EQ(table.at(key).count, static_cast<std::int32_t>(key));
+  table.forget();
+  table.at(7).count = 1;
+  table.at(pairs + 1).count = 2;
+  EXPECT_EQ(table.at(7).count, 1);
+  EXPECT_EQ(table.at(pairs + 1).count, 2);
+  for (std::uint64_t key = 1; key <= pairs; ++key)
+    if (key != 7) EXPECT_EQ(table.at(key).count, 0) << "pair " << key;
 }
 
 TEST(Crowd, ContactsMatchBruteForceBitwise) {

@@ -196,6 +196,34 @@ TEST(ArticulatedFactor, FreeBodyHasTheSparseFactorInClosedForm) {
   }
 }
 
+/// Factors, solutions and velocity changes of several mechanisms in turn, with scratch memory of their own or shared by all.
+TEST(ArticulatedFactor, SharedScratchMemoryHasNoEffect) {
+  FactorScratch scratch;
+  std::vector<Case> cases;
+  for (unsigned seed = 1; seed <= 6; ++seed) cases.emplace_back(seed);
+  std::vector<std::vector<double>> input, own;
+  const auto results = [&](std::size_t k) {
+    Case& c = cases[k];
+    EXPECT_LT(c.by_bodies->factor(*c.ws, c.extra), 0);
+    std::vector<double> x = input[k], w(x.size());
+    c.by_bodies->solve(x);
+    c.by_bodies->add_whitened(input[k], x);
+    c.by_bodies->whiten_velocity(x, w);
+    x.insert(x.end(), w.begin(), w.end());
+    return x;
+  };
+  for (std::size_t k = 0; k < cases.size(); ++k) {
+    input.push_back(cases[k].vector());
+    own.push_back(results(k));
+    cases[k].by_bodies->make_room(scratch);
+  }
+  for (const int round : {0, 1})
+    for (std::size_t k = 0; k < cases.size(); ++k) {
+      cases[k].by_bodies->use(scratch);
+      EXPECT_EQ(results(k), own[k]) << "mechanism " << k << ", round " << round;
+    }
+}
+
 TEST(ArticulatedFactor, NamesTheDofThatMovesNoInertia) {
   MechanismSpec spec;
   LinkSpec link;

@@ -12,7 +12,8 @@ namespace ugoki::collision {
 /// Looking up a known pair does not allocate.
 class PairTable {
  public:
-  /// Returns the cache of a pair; it is created empty at the first call with this key. The reference is valid until the next call.
+  /// Returns the cache of a pair. It is empty at the first call with this key, and at the first call after forget(). The reference is valid
+  /// until the next call.
   /// @param key not 0
   [[nodiscard]] GilbertCache& at(std::uint64_t key) {
     if (2 * (used_ + 1) > slots_.size()) grow();
@@ -21,12 +22,14 @@ class PairTable {
       slot.key = key;
       ++used_;
     }
+    if (slot.round != round_) {
+      slot.cache = {};
+      slot.round = round_;
+    }
     return slot.cache;
   }
-  /// Resets all caches and keeps the pairs and the memory. O(pairs)
-  void forget() {
-    for (Slot& slot : slots_) slot.cache = {};
-  }
+  /// Resets all caches and keeps the pairs and the memory. O(1): a cache of an earlier round is reset when its pair is next looked up.
+  void forget() { ++round_; }
   /// Removes all pairs and releases their slots.
   void clear() {
     slots_.clear();
@@ -36,6 +39,7 @@ class PairTable {
  private:
   struct Slot {
     std::uint64_t key = 0;
+    std::uint64_t round = 0;  // the round to which `cache` belongs
     GilbertCache cache;
   };
   [[nodiscard]] std::size_t slot_of(std::uint64_t key) const {
@@ -54,6 +58,7 @@ class PairTable {
 
   std::vector<Slot> slots_;
   std::size_t used_ = 0;
+  std::uint64_t round_ = 0;  // number of calls of forget()
 };
 
 }  // namespace ugoki::collision

@@ -68,6 +68,7 @@ void StepReport::add(const StepReport& next) {
 Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& options) : mechanisms_(std::move(systems)), options_(options) {
   workspaces_.reserve(mechanisms_.size());
   scratch_.reserve(mechanisms_.size());
+  factor_scratch_.resize(1);
   std::vector<int> first = {0};
   for (std::size_t s = 0; s < mechanisms_.size(); ++s) {
     const Mechanism& m = *mechanisms_[s];
@@ -102,6 +103,8 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
       x.tree = std::make_unique<TreeIsland>(m);
       x.can_hand_over = n <= (x.loops ? max_closed_handed_over : max_handed_over);
     }
+    if (x.loops && !x.tree) x.loops->make_room_for_basis(n);
+    x.factor.make_room(factor_scratch_[0]);
     for (std::size_t k = 0; k < n; ++k) x.contiguous_chain.push_back(ws.depth[k] == static_cast<int>(k) ? 1 : 0);
   }
   solver_.set_systems(first);
@@ -119,6 +122,8 @@ void Stepper::set_executor(Executor* executor) {
   std::size_t dofs = 0;
   for (const MechanismPtr& m : mechanisms_) dofs += static_cast<std::size_t>(m->nv());
   executor_ = dofs >= min_parallel_dofs ? executor : nullptr;
+  factor_scratch_.resize(executor_ ? static_cast<std::size_t>(executor_->workers()) : 1, factor_scratch_[0]);
+  for (SystemScratch& x : scratch_) x.factor.use(factor_scratch_[0]);
   solver_.set_executor(executor_);
 }
 

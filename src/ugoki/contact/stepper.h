@@ -116,8 +116,11 @@ class Stepper {
   void set_executor(Executor* executor);
   /// Calls body(s) for each system s, on the threads of the executor.
   template <class Body>
-  void for_each_system(const Body& body) const {
-    parallel_for(executor_, mechanisms_.size(), [&](std::size_t s, int) { body(s); });
+  void for_each_system(const Body& body) {
+    parallel_for(executor_, mechanisms_.size(), [&](std::size_t s, int worker) {
+      scratch_[s].factor.use(factor_scratch_[static_cast<std::size_t>(worker)]);
+      body(s);
+    });
   }
 
   /// Advances all systems by dt [s]. On failure every q and v keeps its value from before the step.
@@ -234,6 +237,8 @@ class Stepper {
     std::vector<Pose> next_X;                  // [links] gripped: poses at next_q
     struct Loops {
       explicit Loops(const Mechanism& m);
+      /// Allocates `basis`. Its size grows with the square of the number of loops: 200 MB for 1000 linkages. TreeIsland does not need it.
+      void make_room_for_basis(std::size_t dofs);
       dynamics::ClosedLinks links;
       dynamics::LoopRows rows;
       dynamics::Workspace ws;       // working memory for closing the positions
@@ -261,6 +266,7 @@ class Stepper {
   Executor* executor_ = nullptr;
   std::vector<dynamics::Workspace> workspaces_;
   std::vector<SystemScratch> scratch_;
+  std::vector<dynamics::FactorScratch> factor_scratch_;  // [workers] used by the factors of the systems that a worker computes
   VelocitySolver solver_;
   double recovery_ = 1;                         // fraction of the recovery speeds of overlaps and joint limits; 0 in a repeated solution
   std::size_t forced_ = 0;                      // index of the first contact of the step that always gets rows

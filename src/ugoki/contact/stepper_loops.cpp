@@ -33,13 +33,14 @@ double product(std::span<const double> a, std::span<const double> b) {
 Stepper::SystemScratch::Loops::Loops(const Mechanism& m) : links(m), rows(m.loops()), ws(m) {
   const auto n = static_cast<std::size_t>(m.nv()), count = static_cast<std::size_t>(rows.count());
   impulse.resize(n);
-  basis.resize(count * n);
   target.resize(count);
   minimum.resize(count);
   sparse.resize(4 * n);
   w.resize(n);
   parts.resize(4 * count);
 }
+
+void Stepper::SystemScratch::Loops::make_room_for_basis(std::size_t dofs) { basis.resize(static_cast<std::size_t>(rows.count()) * dofs); }
 
 /// Calculates the whitened rows of a loop.
 /// @param y      [rows of the loop][nv, out] whitened rows
@@ -103,6 +104,7 @@ void Stepper::make_loop_basis(std::size_t s, const StepSystem& system, double dt
   SystemScratch::Loops& loops = *x.loops;
   const std::size_t n = x.v.size();
   const std::span<const Loop> all = mechanisms_[s]->loops();
+  if (loops.basis.empty()) loops.make_room_for_basis(n);  // TreeIsland has solved the system until now
   dynamics::update_loop_rows(*mechanisms_[s], workspaces_[s], all, system.q, x.v, loops.rows);
   const auto row = [&](std::size_t k) { return std::span(loops.basis).subspan(k * n, n); };
   std::size_t count = 0;

@@ -15,6 +15,8 @@
 //      only systems that touch (envelope, breadth-first order). See velocity_semismooth.cpp.
 //   4. If the sweeps still converge slowly: Newton's method on w for the augmented Lagrangian, with the same envelope. See
 //      velocity_newton.cpp.
+//   5. Where 16 steps of method 3 exceed the bound of an island's work: sweeps, and method 4 for the systems whose velocities still change,
+//      to a fifth of SolverOptions::coarse.
 // Sources: Moreau (1988), Unilateral contact and dry friction in finite DOF dynamics; Hwangbo, Lee, Hutter (2018), Per-contact
 // iteration method; Alart, Curnier (1991), A mixed formulation for frictional contact problems prone to Newton-like methods.
 

@@ -23,7 +23,6 @@ ArticulatedFactor::ArticulatedFactor(const Mechanism& m) {
   const auto n = static_cast<std::size_t>(m.nv());
   if (FreeBodyFactor::applies_to(m)) body_.emplace(m);
   dofs_.resize(n);
-  sweep_.resize(6 * n);
   std::vector<int> moved_by(static_cast<std::size_t>(m.link_count()), -1);
   std::vector<int> count(n + 1, 0);
   for (int i = 0; i < m.link_count(); ++i) {
@@ -52,12 +51,22 @@ ArticulatedFactor::ArticulatedFactor(const Mechanism& m) {
     const auto parent = static_cast<std::size_t>(dofs_[k].parent);
     if (children[parent] == 1 && count[parent] == count[parent + 1]) inertia_of_[parent] = inertia_of_[k];
   }
-  IA_.resize(inertia_dof_.size());
   first_link_ = count;
   links_.resize(static_cast<std::size_t>(count[n]));
   for (int i = 0; i < m.link_count(); ++i)
     if (const int last = moved_by[static_cast<std::size_t>(i)]; last >= 0)
       links_[static_cast<std::size_t>(count[static_cast<std::size_t>(last)]++)] = i;
+  make_room(own_);
+}
+
+void ArticulatedFactor::make_room(FactorScratch& scratch) const {
+  scratch.inertias.resize(std::max(scratch.inertias.size(), 36 * inertia_dof_.size()));
+  scratch.sweep.resize(std::max(scratch.sweep.size(), 6 * dofs_.size()));
+}
+
+void ArticulatedFactor::use(FactorScratch& scratch) {
+  if (shared_ == nullptr) own_ = {};
+  shared_ = &scratch;
 }
 
 int ArticulatedFactor::factor(const Workspace& ws, std::span<const double> extra) {
@@ -65,10 +74,12 @@ int ArticulatedFactor::factor(const Workspace& ws, std::span<const double> extra
   UGOKI_CHECK(ws.S.size() == n && (extra.empty() || extra.size() == n));
   closed_form_ = body_ && std::ranges::all_of(extra, [](double x) { return x == 0; });
   if (closed_form_) return body_->factor(ws);
-  for (std::size_t shared = 0; shared < IA_.size(); ++shared) {
-    const auto k = static_cast<std::size_t>(inertia_dof_[shared]);
-    double* const A = IA_[shared].x;
-    std::memset(A, 0, sizeof IA_[shared].x);
+  double* const inertias = scratch().inertias.data();
+  const auto inertia_of = [&](std::size_t dof) { return inertias + 36 * static_cast<std::size_t>(inertia_of_[dof]); };
+  for (const int dof : inertia_dof_) {
+    const auto k = static_cast<std::size_t>(dof);
+    double* const A = inertia_of(k);
+    std::fill_n(A, 36, 0.0);
     for (int l = first_link_[k]; l < first_link_[k + 1]; ++l) {
       const Inertia& I = ws.I[static_cast<std::size_t>(links_[static_cast<std::size_t>(l)])];
       A[0] += I.I.xx;
@@ -95,7 +106,7 @@ int ArticulatedFactor::factor(const Workspace& ws, std::span<const double> extra
   }
   for (std::size_t k = n; k-- > 0;) {
     Dof& dof = dofs_[k];
-    double* const A = IA_[static_cast<std::size_t>(inertia_of_[k])].x;
+    double* const A = inertia_of(k);
     const Vec6& S = ws.S[k];
     const double s[6] = {S.w.x, S.w.y, S.w.z, S.v.x, S.v.y, S.v.z};
     double u[6];
@@ -110,7 +121,7 @@ int ArticulatedFactor::factor(const Workspace& ws, std::span<const double> extra
     std::memcpy(dof.S, s, sizeof s);
     std::memcpy(dof.U, u, sizeof u);
     if (dof.parent < 0) continue;
-    double* const up = IA_[static_cast<std::size_t>(inertia_of_[static_cast<std::size_t>(dof.parent)])].x;
+    double* const up = inertia_of(static_cast<std::size_t>(dof.parent));
     if (up == A) {
       for (int i = 0; i < 6; ++i) {
         const double t = u[i] * dof.inverse;
@@ -130,7 +141,7 @@ void ArticulatedFactor::solve(std::span<double> x) const {
   if (closed_form_) return body_->solve(x);
   const std::size_t n = dofs_.size();
   UGOKI_CHECK(x.size() == n);
-  double* const at = sweep_.data();
+  double* const at = scratch().sweep.data();
   std::memset(at, 0, 6 * n * sizeof(double));
   for (std::size_t k = n; k-- > 0;) {
     const Dof& dof = dofs_[k];
@@ -187,7 +198,7 @@ void ArticulatedFactor::add_whitened(std::span<const double> w, std::span<double
   if (closed_form_) return body_->add_whitened(w, v);
   const std::size_t n = dofs_.size();
   UGOKI_CHECK(w.size() == n && v.size() == n);
-  double* const at = sweep_.data();
+  double* const at = scratch().sweep.data();
   for (std::size_t k = 0; k < n; ++k) {
     const Dof& dof = dofs_[k];
     double* const a = at + 6 * k;
@@ -207,7 +218,7 @@ void ArticulatedFactor::whiten_velocity(std::span<const double> v, std::span<dou
   if (closed_form_) return body_->whiten_velocity(v, w);
   const std::size_t n = dofs_.size();
   UGOKI_CHECK(w.size() == n && v.size() == n);
-  double* const at = sweep_.data();
+  double* const at = scratch().sweep.data();
   for (std::size_t k = 0; k < n; ++k) {
     const Dof& dof = dofs_[k];
     double* const a = at + 6 * k;

@@ -20,10 +20,23 @@
 
 namespace ugoki::dynamics {
 
+/// Scratch memory of the recursions. One object can serve the factors of several mechanisms, one after the other.
+struct FactorScratch {
+  std::vector<double> inertias;  ///< [inertias][36] articulated-body inertias: symmetric matrices, row by row
+  std::vector<double> sweep;     ///< [nv][6] forces or accelerations
+};
+
 /// Factor of the inertia matrix by articulated bodies. Allocates in its constructor only. O(nv) memory.
 class ArticulatedFactor {
  public:
   explicit ArticulatedFactor(const Mechanism& m);
+
+  /// Enlarges scratch memory for this factor.
+  void make_room(FactorScratch& scratch) const;
+  /// Uses `scratch`, for which make_room() was called, from now on, and releases the factor's own scratch memory. The processor's cache
+  /// then contains the scratch memory of one factor instead of that of all. Factors that share scratch memory must not run at the same
+  /// time.
+  void use(FactorScratch& scratch);
 
   /// Computes the factor at the kinematics in `ws` (update_kinematics of the same mechanism). O(nv).
   /// @param extra [nv] kg | kg m^2, added to the diagonal of M; or empty
@@ -61,18 +74,16 @@ class ArticulatedFactor {
     int parent;                   // parent DOF; -1: base
     int depth;                    // number of ancestors
   };
-  struct Inertia6 {
-    double x[36];  // symmetric matrix, row by row
-  };
   std::vector<Dof> dofs_;
   std::vector<int> first_link_, links_;  // links rigidly attached to each DOF: links_[first_link_[k]] to links_[first_link_[k + 1] - 1]
   // A DOF that no link is attached to and that has one child, for example within a floating joint, shares the inertia of the child.
-  std::vector<Inertia6> IA_;           // [shared] articulated-body inertias
-  std::vector<int> inertia_of_;        // [nv] index in IA_ of each DOF
-  std::vector<int> inertia_dof_;       // [shared] DOF closest to the tips that uses the inertia
+  std::vector<int> inertia_of_;         // [nv] index in FactorScratch::inertias of each DOF
+  std::vector<int> inertia_dof_;        // [inertias] DOF closest to the tips that uses the inertia
   std::optional<FreeBodyFactor> body_;  // empty: not one free body
   bool closed_form_ = false;            // the last factor is that of body_: nothing was added to the diagonal
-  mutable std::vector<double> sweep_;  // [nv * 6] forces or accelerations during a recursion
+  mutable FactorScratch own_;
+  FactorScratch* shared_ = nullptr;  // null: own_ is used
+  [[nodiscard]] FactorScratch& scratch() const { return shared_ != nullptr ? *shared_ : own_; }
 };
 
 }  // namespace ugoki::dynamics
