@@ -10,6 +10,7 @@
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/intake/mapping_file.h"
 #include "ugoki/intake/support.h"
+#include "ugoki/mechanism/state.h"
 #include "ugoki/motion/clip.h"
 #include "ugoki/project/project.h"
 #include "ugoki/project/project_file.h"
@@ -292,6 +293,25 @@ Result<ExecutableSource> load_executable(const std::string& target, const Source
   return ExecutableSource{scene->name, std::move(*ugx)};
 }
 
+namespace {
+
+/// Distance [m] from which a camera sees the whole character with some floor around it, at any size: a rat, a person, a horse.
+double camera_distance(const ClipSource& clip) {
+  constexpr double sizes = 2.8, nearest = 0.1;  // a person is seen from 5 m
+  const Mechanism& m = *clip.mechanism;
+  std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
+  calc_poses(m, {clip.motion->frame(0), static_cast<std::size_t>(clip.motion->nq)}, X);
+  Vec3 low = X[0].p, high = low;
+  for (const Pose& pose : X)
+    for (int k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], pose.p[k]);
+      high[k] = std::max(high[k], pose.p[k]);
+    }
+  return std::max(nearest, sizes * std::max(clip.height, norm(high - low)));
+}
+
+}  // namespace
+
 content::Scenario clip_scenario(const ClipSource& clip, double step) {
   content::Scenario s;
   s.name = clip.name;
@@ -311,6 +331,7 @@ content::Scenario clip_scenario(const ClipSource& clip, double step) {
   clip_part.blend = 0;
   character.track.push_back(clip_part);
   s.camera.follow = "character";
+  s.camera.distance = camera_distance(clip);
   s.characters.push_back(character);
   return s;
 }
