@@ -50,6 +50,20 @@ const mode = async (name) => {
   await page.getByRole('radio', { name }).click();
   await page.waitForFunction((m) => window.ugoki.transport().mode === m, name.toLowerCase());
 };
+/** Moves the playhead forward by frames, and waits until it is there. */
+const forward = async (frames) => {
+  const start = await page.evaluate('window.ugoki.transport().time');
+  for (let i = 0; i < frames; i++) await page.keyboard.press('ArrowRight');
+  await page.waitForFunction((end) => Math.abs(window.ugoki.frame().time - end) < 0.005, start + frames / 60, { timeout: 60000 });
+};
+/** Undoes commands while `left()` is true in the page. */
+const undo_while = async (left) => {
+  for (let i = 0; i < 40 && (await page.evaluate(left)); i++) {
+    const before = await page.evaluate('window.ugoki.undo().revision');
+    await page.keyboard.press('Control+z');
+    await page.waitForFunction((r) => window.ugoki.undo().revision !== r, before);
+  }
+};
 const posed = () => page.waitForFunction(() => window.ugoki.posing()?.ready);
 
 try {
@@ -134,7 +148,7 @@ try {
   await page.locator('[data-character="human"] .track-name').click();
   await picture('inspector', '.inspector');
   await blur();
-  for (let i = 0; i < 30; i++) await page.keyboard.press('ArrowRight');
+  await forward(30);
   await page.keyboard.press('3');
   await page.keyboard.press('f');
   await page.keyboard.press('e');
@@ -142,13 +156,14 @@ try {
   await page.waitForTimeout(900);
   for (const [name, frames] of [['Contact', 0], ['Mid stance', 14], ['Stride', 16]]) {
     await blur();
-    for (let i = 0; i < frames; i++) await page.keyboard.press('ArrowRight');
+    await forward(frames);
     await posed();
     await tab('Poses');
     await page.getByRole('button', { name: 'Store pose', exact: true }).click();
     await page.getByRole('textbox', { name: 'Name of the pose' }).fill(name);
     await page.keyboard.press('Enter');
     await page.getByRole('option', { name }).waitFor();
+    await page.waitForTimeout(500); // the card takes the focus
   }
   await page.getByRole('option', { name: 'Contact' }).click();
   await picture('poses', '.poses');
@@ -202,7 +217,7 @@ try {
   await page.locator('.rule').nth(1).waitFor();
   await picture('variables', '.rules');
   await blur();
-  await page.keyboard.press('Control+z');
+  await undo_while("(window.ugoki.document().rules ?? []).length > 0 || window.ugoki.document().characters.some((c) => c.track.some((k) => (k.layers ?? []).length > 0))"); // the simulation shows the plain walk
 
   // the circuit, in a higher panel
   await tab('Circuit');
@@ -249,7 +264,7 @@ try {
     await page.locator('.viewport canvas').first().hover();
     const through = page.locator('select', { has: page.locator('option[value=free]') }).first();
     for (const [key, time] of [['3', 0], ['1', 60]]) {
-      for (let i = 0; i < time; i++) await page.keyboard.press('ArrowRight');
+      await forward(time);
       await page.keyboard.press(key);
       await page.keyboard.press('f');
       await page.waitForTimeout(1200);
@@ -258,6 +273,7 @@ try {
       await blur();
     }
     await page.keyboard.press('x');
+    await page.mouse.move(640, 20); // no link is under the pointer
     await page.waitForTimeout(800);
     await picture('cameras');
     await through.selectOption('free');

@@ -138,7 +138,7 @@ export function NewDialog(): ReactElement {
               onClick={() => set_chosen(entry)}
               onDoubleClick={() => void create(entry)}
             >
-              {entry.id === 'empty' ? <span className="gallery-picture empty" /> : <img className="gallery-picture" src={`gallery/${entry.id}.webp`} alt="" width="320" height="180" />}
+              <img className="gallery-picture" src={`gallery/${entry.id}.webp`} alt="" width="320" height="180" />
               <strong>{entry.title}</strong>
               <span>{entry.teaches}</span>
             </button>
