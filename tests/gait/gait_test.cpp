@@ -339,6 +339,19 @@ TEST(Gait, SurvivesWithoutAssist) {
   EXPECT_LT(tracking_error(person(), o, 2), 1.5);
 }
 
+// Soles that stand bear load from heel to toe. With pressure at the toes only, each step is braked, and a slow walk nearly stands still.
+TEST(Gait, SlowWalksKeepTheirSpeed) {
+  GaitOptions o;
+  o.stages = {{0, GaitKind::walk, 0.75, 0}};
+  o.seconds = 12;
+  const Motion motion = make_gait(person(), o).value();
+  const double way = motion.frame(motion.frames - 1)[0] - motion.frame(0)[0];
+  control::Simulation s(person(), std::make_shared<const control::Looped>(person(), motion, motion.duration()));
+  const double start = s.state.q[0];
+  while (s.memory.time < motion.duration() - 0.01) s.step();
+  EXPECT_NEAR(s.state.q[0] - start, way, 0.05 * way);
+}
+
 // The legs of the machine have three joints: the place of a foot determines the orientation of its shank.
 TEST(Gait, SixLegsSurviveWithoutAssist) {
   const MechanismPtr machine = hexapod();
@@ -353,6 +366,20 @@ TEST(Gait, DogTrotSurvivesWithoutAssist) {
   GaitOptions o;
   o.stages = {{0, GaitKind::trot, 1.8, 0}};
   EXPECT_LT(tracking_error(dog(), o, 6), 4.5);
+}
+
+// A person starts walking, runs with flights, and stops.
+TEST(Gait, RunSurvivesWithoutAssist) {
+  GaitOptions o;
+  o.stages = {{0, GaitKind::run, 3, 0}};
+  EXPECT_LT(tracking_error(person(), o, 4), 6);
+}
+
+// A dog starts with a trot and canters. While it accelerates, its trunk keeps its mean pitch.
+TEST(Gait, DogCanterSurvivesWithoutAssist) {
+  GaitOptions o;
+  o.stages = {{0, GaitKind::canter, 2.4, 0}};
+  EXPECT_LT(tracking_error(dog(), o, 6), 6);
 }
 
 // Balance control takes the stances of a computed gait as they are, and does not detect them again.

@@ -24,14 +24,15 @@ struct BalanceOptions {
   double joint_weight = 1, leg_weight = 0.3;
   double swing_frequency = 45;  ///< rad/s: natural frequency of the errors of swing feet
   double swing_weight = 60, swing_turn_weight = 3;
-  double flat = 0.15, steep = 0.4;              ///< rad: a sole tilted by less than `flat` is made level; a tilt above `steep` is kept
-  double sole_damping = 40;                     ///< 1/s: decay rate of the velocity of a sole point in stance
-  double sole_weight = 1e5;                     ///< weight of the constraints of standing feet
-  double friction_margin = 0.7;                 ///< fraction of the friction coefficient that forces may use
-  double load_cost = 1e-6;                      ///< cost of a squared edge force, N^-2
-  double touch = 1e-3;                          ///< m: only contact points closer to the ground than this bear load
-  double hover = 2e-3, max_hover = 0.05;        ///< m: points of a standing sole that are this high above the ground are pressed down
-  double hover_weight = 60;                     ///< weight of the tasks that press them down
+  double flat = 0.15, steep = 0.4;        ///< rad: a sole tilted by less than `flat` is made level; a tilt above `steep` is kept
+  double sole_damping = 40;               ///< 1/s: decay rate of the velocity of a sole point in stance
+  double sole_weight = 1e5;               ///< weight of the constraints of standing feet
+  double friction_margin = 0.7;           ///< fraction of the friction coefficient that forces may use
+  double load_cost = 1e-6;                ///< cost of a squared edge force, N^-2
+  double touch = 1e-3;                    ///< m: only contact points closer to the ground than this bear load
+  double hover = 2e-3, max_hover = 0.05;  ///< m: points of a standing sole that are this high above the ground are pressed down
+  double exact = 2e-3;       ///< m: on level ground, points of a computed sole higher than this above its lowest point are not pressed down
+  double hover_weight = 60;  ///< weight of the tasks that press them down
   double hover_time = 0.04, hover_speed = 0.5;  ///< s, m/s: they move down at height / time, and not faster than this
   double lifting = 0.15;          ///< m/s: no load on a point that, in the reference, rises this much faster than the foot's slowest point
   double lifted = 0.01;           ///< m: no load on a rising point that, in the reference, is this much higher than the foot's lowest point

@@ -78,7 +78,7 @@ std::vector<Foot> feet_of(const Mechanism& m) {
 }
 
 FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const ReferenceMotion& motion, double floor, double rate)
-    : leg_length_(feet.size()), stances_(feet.size()), turns_(feet.size()) {
+    : leg_length_(feet.size()), stances_(feet.size()), turns_(feet.size()), rate_(rate) {
   const int frames = std::max(1, static_cast<int>(std::floor(motion.end() * rate))) + 1;
   const int margin = static_cast<int>(rate), part = 20 * margin;  // frames: the motion is labelled in parts of 20 s, with 1 s around each
   std::vector<double> q(idx(m.nq())), v(idx(m.nv())), a(v.size());
@@ -127,7 +127,7 @@ FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const
       }
     }
   }
-  use_known_contacts(m, feet, motion, rate, on);
+  use_known_contacts(m, feet, motion, on);
   const double infinity = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < feet.size(); ++k)
     for (int f = 0; f < frames;) {
@@ -145,11 +145,13 @@ FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const
   for (std::size_t k = 0; k < feet.size(); ++k) find_turns(k, on[k], yaw_rate[k], rate);
 }
 
-void FootSchedule::use_known_contacts(const Mechanism& m, std::span<const Foot> feet, const ReferenceMotion& motion, double rate,
+void FootSchedule::use_known_contacts(const Mechanism& m, std::span<const Foot> feet, const ReferenceMotion& motion,
                                       std::span<std::vector<std::uint8_t>> on) {
   std::vector<std::uint8_t> links(idx(m.link_count()));
-  for (std::size_t f = 0; !on.empty() && f < on[0].size(); ++f) {
-    if (!motion.contacts(static_cast<double>(f) / rate, links)) continue;
+  known_.assign(on.empty() ? 0 : on[0].size(), 0);
+  for (std::size_t f = 0; f < known_.size(); ++f) {
+    if (!motion.contacts(static_cast<double>(f) / rate_, links)) continue;
+    known_[f] = 1;
     for (std::size_t k = 0; k < feet.size(); ++k)
       on[k][f] = std::ranges::any_of(feet[k].parts, [&](int link) { return links[idx(link)] != 0; }) ? 1 : 0;
   }
@@ -187,6 +189,11 @@ bool FootSchedule::turns(std::size_t foot, double t) const {
   const std::vector<Stance>& list = turns_[foot];
   const auto next = std::upper_bound(list.begin(), list.end(), t, [](double time, const Stance& s) { return time < s.begin; });
   return next != list.begin() && t < (next - 1)->end;
+}
+
+bool FootSchedule::knows_contacts(double t) const {
+  const double frame = std::floor(t * rate_ + 0.5);
+  return frame >= 0 && frame < static_cast<double>(known_.size()) && known_[static_cast<std::size_t>(frame)] != 0;
 }
 
 ScheduledFoot FootSchedule::at(std::size_t foot, double t) const {

@@ -75,19 +75,23 @@ class FootSchedule {
   /// m: maximum distance between the origin of the foot's hip and its sole.
   [[nodiscard]] double leg_length(std::size_t foot) const { return leg_length_[foot]; }
   [[nodiscard]] std::span<const Stance> stances(std::size_t foot) const { return stances_[foot]; }
+  /// True if the motion knows its contacts at time t [s]: it was computed, and its standing soles have no error of measurement.
+  [[nodiscard]] bool knows_contacts(double t) const;
 
  private:
   void find_turns(std::size_t foot, std::span<const std::uint8_t> stands, std::span<const double> yaw_rate, double rate);
 
   /// Replaces labels by the contacts that the motion knows. @param on [feet][frames, in, out]
-  static void use_known_contacts(const Mechanism& mechanism, std::span<const Foot> feet, const ReferenceMotion& motion, double rate,
-                                 std::span<std::vector<std::uint8_t>> on);
+  void use_known_contacts(const Mechanism& mechanism, std::span<const Foot> feet, const ReferenceMotion& motion,
+                          std::span<std::vector<std::uint8_t>> on);
 
   void find_flights(std::span<const std::vector<std::uint8_t>> on, std::span<const double> height, double rate);
 
   std::vector<Flight> flights_;                       // sorted
   std::vector<double> leg_length_;                    // [feet]
   std::vector<std::vector<Stance>> stances_, turns_;  // [feet], sorted
+  std::vector<std::uint8_t> known_;                   // [frames] 1: the motion knows its contacts
+  double rate_ = 120;                                 // Hz, of the frames
 };
 
 }  // namespace ugoki::control

@@ -67,6 +67,10 @@ void GroundSupport::find_hovering(const BalanceModel& model, const BalanceState&
   const BalanceOptions& o = model.options;
   constexpr double edge = 0.01;   // m: bearing points that are this close to the edge stay
   constexpr double level = 3e-3;  // m: on ground that is level within this height, measured soles keep their tilt
+  // The soles of a computed motion have no error. A sole whose heel hovered by more than `touch` would bear load at the toes only, and the
+  // pressure in front of the centre of mass would brake each step.
+  const bool exact = model.schedule.knows_contacts(state.time);
+  const double hover = exact ? o.touch : o.hover;
   double lowest = 1e9, slowest = 1e9;
   Vec3 low;
   const auto reference = [&](const LinkPoint& point) {
@@ -86,7 +90,6 @@ void GroundSupport::find_hovering(const BalanceModel& model, const BalanceState&
   }
   const std::size_t first = hovering_.size();
   double lowest_ground = 1e9, highest_ground = -1e9;
-  Vec3 middle;
   for (const LinkPoint& point : model.feet[f].points) {
     const Vec3 wanted = reference(point);
     // The sole of the reference is level within the tilt `flat`.
@@ -96,14 +99,14 @@ void GroundSupport::find_hovering(const BalanceModel& model, const BalanceState&
     const double ground = model.map_height(state, p) + state.loose, gap = p.z - ground;
     lowest_ground = std::min(lowest_ground, ground);
     highest_ground = std::max(highest_ground, ground);
-    if (gap < o.hover || gap > o.max_hover) continue;
-    hovering_.push_back({static_cast<int>(f), point.link, p, gap});
-    middle += p;
+    if (gap < hover || gap > o.max_hover) continue;
+    hovering_.push_back({static_cast<int>(f), point.link, p, gap, wanted.z - lowest});
   }
-  if (hovering_.size() == first || highest_ground - lowest_ground < level) {
-    hovering_.resize(first);
-    return;
-  }
+  if (highest_ground - lowest_ground < level)
+    std::erase_if(hovering_, [&](const HoveringPoint& h) { return h.foot == static_cast<int>(f) && (!exact || h.raised > o.exact); });
+  if (hovering_.size() == first) return;
+  Vec3 middle;
+  for (std::size_t k = first; k < hovering_.size(); ++k) middle += hovering_[k].p;
   middle = middle / static_cast<double>(hovering_.size() - first);
   Vec3 bearing;
   double count = 0;

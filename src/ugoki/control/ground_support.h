@@ -28,8 +28,9 @@ struct BearingPoint {
 /// A point of a standing sole that is above the ground, although the reference has it on the ground.
 struct HoveringPoint {
   int foot, link;
-  Vec3 p;      // m, world
-  double gap;  // m: height above the ground
+  Vec3 p;         // m, world
+  double gap;     // m: height above the ground
+  double raised;  // m: height in the reference above the lowest point of the sole
 };
 
 /// Contacts of one tick, seen as support of a character.

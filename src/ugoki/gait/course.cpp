@@ -76,6 +76,27 @@ class Maker {
     c_.body.resize(at(c_.frames));
   }
 
+  /// m/s: maximum change of speed from a stage to the next, from the start and to the end.
+  [[nodiscard]] double max_change() const {
+    double previous = o_.from_stand ? 0 : o_.stages.front().speed, change = 0;
+    for (const GaitStage& s : o_.stages) {
+      change = std::max(change, std::fabs(s.speed - previous));
+      previous = s.speed;
+    }
+    return o_.to_stand ? std::max(change, std::fabs(previous)) : change;
+  }
+
+  /// The gait at a speed during starts and stops: animals trot and people walk before they gallop and run.
+  [[nodiscard]] GaitKind kind_at(GaitKind kind, double speed) const {
+    const double V = std::fabs(speed) / std::sqrt(o_.gravity * w_.hip_height);
+    constexpr double slow_gallop = 0.9,
+                     slow_run = 0.7;  // of V: an animal's usual trot; people change to a run at V^2 = 0.5 (Alexander 1989)
+    if (w_.biped) return V < slow_run ? GaitKind::walk : kind;
+    const bool leaps = kind == GaitKind::canter || kind == GaitKind::gallop || kind == GaitKind::rotary || kind == GaitKind::bound ||
+                       kind == GaitKind::pronk;
+    return leaps && V < slow_gallop ? GaitKind::trot : kind;
+  }
+
   /// Speed, turn rate and kind in every frame.
   void set_speeds() {
     const int n = c_.frames;
@@ -85,8 +106,9 @@ class Maker {
     // Before the end the speed has to fall to zero, and the last foot has to land.
     const GaitStage& final = o_.stages.back();
     const double unit = std::sqrt(w_.hip_height / 0.9);  // Froude scaling of times
-    // A change of speed takes 1.4 s for a human: about 0.1 g. It begins at the time of its stage.
-    const int half = static_cast<int>(0.35 * unit * o_.rate);
+    // A change of speed takes 1.4 s for a human, and longer where the acceleration would exceed a quarter of g. It begins at the time of
+    // its stage.
+    const int half = static_cast<int>(std::max(0.35 * unit, max_change() / (2 * 0.25 * o_.gravity)) * o_.rate);
     const double delay = o_.one_stride ? 0 : 2 * half / o_.rate,
                  closing = 2 * delay + 0.3 * unit + 1.4 * pattern(final.kind, 0).stride_time;
     for (int f = 0; f < n; ++f) {
@@ -111,6 +133,7 @@ class Maker {
       CourseFrame& b = c_.body[at(f)];
       b.speed = speed[at(f)];
       b.turn = turn[at(f)];
+      if (!o_.one_stride) kinds_[at(f)] = kind_at(kinds_[at(f)], b.speed);
       b.moving = smooth_step(effective(b.speed, b.turn) / usual);
     }
     // Share of the kind of each frame, smooth over a stride: transitions interpolate the table.
@@ -167,8 +190,9 @@ class Maker {
       b.spring = w_.legs.size() == 4
                      ? share(GaitKind::canter, f) + share(GaitKind::gallop, f) + share(GaitKind::rotary, f) + share(GaitKind::bound, f)
                      : 0;
-      // Two legs walk: the load moves in double support. Otherwise it rises and falls over a large part of the stance.
-      ramp_[at(f)] = w_.biped && duty > 0.5 ? (2 * duty - 1) / (2 * duty) : 0.5;
+      // Two legs walk: the load moves in double support.
+      const double transfer = std::max(0.0, (2 * duty - 1) / (2 * duty));
+      ramp_[at(f)] = b.ramp = w_.biped ? transfer + (flight_ramp - transfer) * b.run : flight_ramp;
       const auto all_stand = [&](double c) {
         for (std::size_t i = 0; i < legs; ++i)
           if (fraction(c - offsets[i]) > duty - 0.02) return false;

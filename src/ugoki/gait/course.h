@@ -13,6 +13,7 @@ struct CourseFrame {
   double run = 0;                    ///< share of running (two legs)
   double spring = 0;                 ///< share of gaits in which the trunk pitches: canter, gallop, bound
   double stride_time = 1;            ///< s
+  double ramp = 0;                   ///< share of a stance in which the load rises, and in which it falls
   double ground = 0;                 ///< m: smoothed height of the ground
   double slope = 0;                  ///< rise per length ahead
 };
@@ -43,6 +44,10 @@ struct Course {
   std::vector<std::vector<LegFrame>> legs;   ///< [legs][frames]
   std::vector<std::vector<Stance>> stances;  ///< [legs]
 };
+
+/// Share of the stance in which the load of a leg rises, and in which it falls, in all gaits but the walk of two legs. The mean load is
+/// then that of half a sine (Alexander et al. 1979), 0.64 of the maximum.
+inline constexpr double flight_ramp = 0.36;
 
 [[nodiscard]] Course make_course(const Walker& walker, const GaitOptions& options);
 

@@ -54,7 +54,7 @@ Roll roll_of(const Walker& w, const GaitOptions& o, const CourseFrame& b) {
     r.rate = degree * ((1 - run) * -95 * walk + run * -110 * size);
     r.level = 0.55;
     r.flat_from = flat_from + run * 0.02;
-    r.flat_to = flat_to - run * 0.05;
+    r.flat_to = flat_to - run * 0.2;  // the ankle would reach its limit in the middle of the stance
   } else {
     r.lift = 32 * degree * size * std::min(1.0, V / 0.5);
     r.passing = 45 * degree * size * std::min(1.0, V / 0.5);
@@ -128,8 +128,9 @@ FootPose foot_pose(const Walker& w, const GaitOptions& o, const Course& course, 
     if (!leg.point_foot && w.biped) {
       // The pressure moves from the heel to the toes; while the body stands it is in the middle.
       const double u = smooth_step((now.share - 0.5 * roll.flat_from) / (0.52 - 0.5 * roll.flat_from));
-      // In a run the ball of the foot bears most of the load.
-      x = body.moving * ((1 - body.run) * (0.85 * heel + (0.92 * toe - 0.85 * heel) * u) + body.run * 0.6 * toe);
+      const double walk = 0.85 * heel + (0.92 * toe - 0.85 * heel) * u;
+      const double run = 0.9 * heel + (0.8 * toe - 0.9 * heel) * smooth_step(now.share / 0.7);
+      x = body.moving * ((1 - body.run) * walk + body.run * run);
     }
     out.pressure = from.place + G * Vec3{x, 0, 0};
     return out;
@@ -162,7 +163,9 @@ FootPose foot_pose(const Walker& w, const GaitOptions& o, const Course& course, 
     const double along = i == 0 ? ahead.cos : i == 1 ? ahead.sin : 0;
     out.X_WF.p[i] = quintic({lift.p[i], rate[i], 0}, {land.p[i], along * landing * now.length, along * brake * now.length * now.length}, s);
   }
-  double raise = swing_height(w, o, body) * (0.25 + 0.75 * body.moving) * bump(s * (w.biped ? 2 - s : 1.3 - 0.3 * s));
+  // A walking foot is near the ground in the last part of its swing; a running foot is not, because it would touch too early.
+  const double late = w.biped ? 1 - body.run : 0;
+  double raise = swing_height(w, o, body) * (0.25 + 0.75 * body.moving) * bump(s * (late * (2 - s) + (1 - late) * (1.3 - 0.3 * s)));
   if (o.ground) {  // obstacles between both places
     double over = 0;
     for (int i = 1; i < 12; ++i) {

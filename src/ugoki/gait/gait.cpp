@@ -17,6 +17,9 @@ namespace ugoki::gait {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+// Share of the moment of the ground forces about the centre of mass that pitches the trunk in gallops. The rest accelerates the body along
+// its path. With 0.85, the body pitches by up to 18 degrees and is lowered by 22 cm, so that the feet reach the ground.
+constexpr double trunk_share = 0.6;
 constexpr int rounds = 4;  // of centre of mass, postures, and angular momentum of these postures
 
 /// Centred moving average.
@@ -82,7 +85,7 @@ class Generator {
       double sum = 0, mean = 0;
       for (const std::vector<LegFrame>& leg : course_.legs) {
         sum += leg[at(f)].load;
-        mean += leg[at(f)].duty * 0.5;  // loads rise and fall over half of the stance
+        mean += leg[at(f)].duty * (1 - b.ramp);
       }
       // Six legs and more bear the body at a constant height as long as half of them stand.
       const double walk = w_.biped ? 1 - b.run : many_legs() && course_.legs[0][at(f)].duty >= 0.5 ? 1 : 0;
@@ -205,7 +208,7 @@ class Generator {
       c.load = flight_[at(f)] ? 0 : std::max(0.0, o_.gravity + up);
       c.height = std::max(0.2 * w_.centre_height, z[at(f)] - c.pressure.z);
       c.moment = flight_[at(f)] ? Vec3{} : moment[at(f)];
-      c.share = first ? 1 - 0.85 * course_.body[at(f)].spring : 1;
+      c.share = first ? 1 - trunk_share * course_.body[at(f)].spring : 1;
     }
     centre_ = solve_centre(frames_, o_.rate);
     for (int f = 0; f < n; ++f) centre_[at(f)].z = z[at(f)];
@@ -225,7 +228,14 @@ class Generator {
       spring = std::max(spring, course_.body[at(f)].spring);
     }
     if (spring <= 0) return;
-    pitch = integrate_twice(a, 0.25 * 2 * pi / course_.body[at(course_.last)].stride_time, o_.rate);
+    // The mean over a stride accelerates the body and does not turn it.
+    std::vector<double> sum(at(n + 1)), turning(at(n));
+    for (int f = 0; f < n; ++f) sum[at(f + 1)] = sum[at(f)] + a[at(f)];
+    for (int f = 0; f < n; ++f) {
+      const int half = std::min({static_cast<int>(0.5 * course_.body[at(f)].stride_time * o_.rate), f, n - 1 - f});
+      turning[at(f)] = a[at(f)] - (sum[at(f + half + 1)] - sum[at(f - half)]) / (2 * half + 1);
+    }
+    pitch = integrate_twice(turning, 0.25 * 2 * pi / course_.body[at(course_.last)].stride_time, o_.rate);
   }
 
   /// Moment of inertia about the lateral axis divided by the mass, m^2, of the standing body.
@@ -323,6 +333,7 @@ class Generator {
     report_.duty = course_.legs[0][at(course_.last)].duty;
     report_.notes = w_.notes;
     note_shortness();
+    note_balance();
     measure_pressure();
     return out;
   }
@@ -335,6 +346,23 @@ class Generator {
     if (wants && moving < 0.01)
       report_.notes.push_back(
           "The motion is too short for a start and a stop, so the character stands. Make it longer, or let it begin or end moving.");
+  }
+
+  /// Reports a motion in which balance control has not kept the body upright without root assist (docs/gait.md).
+  void note_balance() {
+    const double unit = std::sqrt(o_.gravity * w_.hip_height);
+    constexpr double max_gallop = 1.5, max_miss = 0.03;  // speed / sqrt(g l); share of the hip height
+    for (const GaitStage& s : o_.stages) {
+      const bool gallops = s.kind == GaitKind::gallop || s.kind == GaitKind::rotary;
+      if (s.kind == GaitKind::bound || s.kind == GaitKind::pronk || (gallops && s.speed > max_gallop * unit)) {
+        report_.notes.push_back("Without root assist, a character usually falls in the gait '" + std::string(name_of(s.kind)) + "'" +
+                                (gallops ? " at more than " + to_fixed(max_gallop * unit, 1) + " m/s." : "."));
+        return;
+      }
+    }
+    if (w_.biped && report_.max_miss > max_miss * w_.hip_height)
+      report_.notes.push_back("The legs are too short for this gait: feet miss their places by up to " +
+                              to_fixed(100 * report_.max_miss, 1) + " cm. Without root assist, a character falls. Choose a lower speed.");
   }
 
   /// rms distance of the centre of pressure of the final postures from the planned one.
@@ -445,7 +473,7 @@ Result<double> usual_speed(const MechanismPtr& mechanism, GaitKind kind, double 
     case GaitKind::bound:
     case GaitKind::pronk: return 1.4 * unit;
     case GaitKind::gallop:
-    case GaitKind::rotary: return 2 * unit;
+    case GaitKind::rotary: return 1.6 * unit;
   }
   return unit;
 }

@@ -111,7 +111,7 @@ std::vector<std::string_view> style_names() {
 
 std::vector<GaitKind> kinds_for(int legs) {
   using enum GaitKind;
-  if (legs == 2) return {walk};
+  if (legs == 2) return {walk, run};
   if (legs == 4) return {walk, run, trot, pace, canter, gallop, rotary, bound, pronk};
   return {walk, run, trot};
 }
@@ -128,7 +128,7 @@ Pattern pattern_of(GaitKind kind, const std::vector<LegPlace>& legs, double leg_
       stride_of(2 * 1.06 * pow(slow, 0.42));
     } else {
       out.duty = std::clamp(0.36 - 0.11 * (V - 1.01), 0.2, 0.42);
-      out.stride_time = 2 / std::clamp(2.7 + 0.3 * (V - 1.01), 2.5, 3.3) * std::sqrt(l / 0.9);
+      out.stride_time = 2 / std::clamp(2.9 + 0.35 * (V - 1.01), 2.5, 3.5) * std::sqrt(l / 0.9);
     }
     for (const LegPlace& leg : legs) out.phases.push_back(leg.left ? 0 : 0.5);
     return out;
