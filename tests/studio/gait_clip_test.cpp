@@ -84,7 +84,7 @@ TEST(GaitClip, WrongRecipesAreRefusedWithARemedy) {
 }
 
 TEST(GaitClip, KindsFitTheLegs) {
-  EXPECT_EQ((*describe_gaits(person()))["kinds"].size(), 1u);
+  EXPECT_EQ((*describe_gaits(person()))["kinds"].size(), 2u);  // walk, run
   EXPECT_GT((*describe_gaits(samples::make_dog()))["kinds"].size(), 5u);
   EXPECT_FALSE(describe_gaits(samples::make_ball()));
 }

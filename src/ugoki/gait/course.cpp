@@ -76,14 +76,17 @@ class Maker {
     c_.body.resize(at(c_.frames));
   }
 
-  /// m/s: maximum change of speed from a stage to the next, from the start and to the end.
+  /// m/s: maximum change of speed from a stage to the next, from the start and to the end, if a stage runs or gallops.
   [[nodiscard]] double max_change() const {
     double previous = o_.from_stand ? 0 : o_.stages.front().speed, change = 0;
+    bool fast = false;
     for (const GaitStage& s : o_.stages) {
+      fast = fast || kind_at(s.kind, 0) != s.kind;
       change = std::max(change, std::fabs(s.speed - previous));
       previous = s.speed;
     }
-    return o_.to_stand ? std::max(change, std::fabs(previous)) : change;
+    if (o_.to_stand) change = std::max(change, std::fabs(previous));
+    return fast ? change : 0;
   }
 
   /// The gait at a speed during starts and stops: animals trot and people walk before they gallop and run.
@@ -106,8 +109,8 @@ class Maker {
     // Before the end the speed has to fall to zero, and the last foot has to land.
     const GaitStage& final = o_.stages.back();
     const double unit = std::sqrt(w_.hip_height / 0.9);  // Froude scaling of times
-    // A change of speed takes 1.4 s for a human, and longer where the acceleration would exceed a quarter of g. It begins at the time of
-    // its stage.
+    // A change of speed takes 1.4 s for a human; in runs and gallops it takes longer where the acceleration would exceed a quarter of g. It
+    // begins at the time of its stage.
     const int half = static_cast<int>(std::max(0.35 * unit, max_change() / (2 * 0.25 * o_.gravity)) * o_.rate);
     const double delay = o_.one_stride ? 0 : 2 * half / o_.rate,
                  closing = 2 * delay + 0.3 * unit + 1.4 * pattern(final.kind, 0).stride_time;
@@ -192,7 +195,7 @@ class Maker {
                      : 0;
       // Two legs walk: the load moves in double support.
       const double transfer = std::max(0.0, (2 * duty - 1) / (2 * duty));
-      ramp_[at(f)] = b.ramp = w_.biped ? transfer + (flight_ramp - transfer) * b.run : flight_ramp;
+      ramp_[at(f)] = b.ramp = w_.biped ? transfer + (flight_ramp - transfer) * b.run : 0.5;
       const auto all_stand = [&](double c) {
         for (std::size_t i = 0; i < legs; ++i)
           if (fraction(c - offsets[i]) > duty - 0.02) return false;

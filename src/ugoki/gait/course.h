@@ -45,8 +45,8 @@ struct Course {
   std::vector<std::vector<Stance>> stances;  ///< [legs]
 };
 
-/// Share of the stance in which the load of a leg rises, and in which it falls, in all gaits but the walk of two legs. The mean load is
-/// then that of half a sine (Alexander et al. 1979), 0.64 of the maximum.
+/// Share of the stance in which the load rises, and in which it falls, in a run of two legs. The mean load is then that of half a sine
+/// (Alexander et al. 1979), 0.64 of the maximum.
 inline constexpr double flight_ramp = 0.36;
 
 [[nodiscard]] Course make_course(const Walker& walker, const GaitOptions& options);
