@@ -1,5 +1,5 @@
-// Videos that ffmpeg writes.
 #pragma once
+// Videos that ffmpeg writes.
 
 #include <filesystem>
 #include <memory>
