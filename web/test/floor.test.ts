@@ -48,9 +48,9 @@ describe('FloorLines', () => {
     const color = new THREE.Color();
     for (const [pattern, shown] of [['grid', true], ['boards', false], ['unknown', true]] as const) {
       floor.set_colors(color, color, color, 0.3, pattern);
-      floor.set_depth_only(true);
+      floor.draw_as('depth');
       expect(lines.visible).toBe(false);
-      floor.set_depth_only(false);
+      floor.draw_as('whole');
       expect(lines.visible).toBe(shown);
     }
   });

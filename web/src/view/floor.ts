@@ -99,6 +99,9 @@ const ground_patterns = ['grid', 'plain', 'checker', 'boards'];
 const ring_count = 24; // of the disc: its colour is exact at their edges and linear between them
 const max_patches = 256; // if more bodies cast shadows, one patch covers all of them
 
+/** `whole`: colours and depth. `depth`: depth only, before the bodies, so that it hides the parts of bodies below it. `flat`: colours without depth. */
+export type FloorMode = 'whole' | 'depth' | 'flat';
+
 /** A rectangle of the floor, m. */
 interface Rectangle {
   left: number;
@@ -220,14 +223,19 @@ export class Floor {
     this.uniforms.u_strength.value = strength;
   }
 
-  /** True: the floor is drawn into the depth buffer only, before the bodies, so that it hides the parts of bodies below it. */
-  set_depth_only(on: boolean): void {
-    for (const [order, mesh] of [this.patches, this.disc].entries()) {
-      mesh.material.colorWrite = !on;
-      mesh.renderOrder = order + (on ? -2 : 1);
+  /** Selects how the floor is drawn from now on. */
+  draw_as(mode: FloorMode): void {
+    const hidden = mode === 'depth';
+    // With depth, the patches are drawn first and hide the disc there; without, they are drawn over it.
+    const orders = { whole: [1, 2], depth: [-2, -1], flat: [2, 1] }[mode];
+    for (const [i, mesh] of [this.patches, this.disc].entries()) {
+      mesh.material.colorWrite = !hidden;
+      mesh.material.depthTest = mesh.material.depthWrite = mode !== 'flat';
+      mesh.renderOrder = orders[i]!;
     }
-    this.disc.geometry = on ? this.whole : this.rings; // without colours, no rings are needed
-    this.lines.mesh.visible = this.has_lines && !on;
+    this.lines.mesh.material.depthTest = mode !== 'flat';
+    this.disc.geometry = hidden ? this.whole : this.rings; // without colours, no rings are needed
+    this.lines.mesh.visible = this.has_lines && !hidden;
   }
 
   /** Centres the visible floor. @param x, y m  @param reach radius beyond which only the background is visible, m */

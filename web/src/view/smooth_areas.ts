@@ -5,6 +5,7 @@
  * colour at the centre of the pixel.
  */
 import * as THREE from 'three';
+import type { FloorMode } from './floor';
 import { drawn_areas, join, join_areas, tile_areas, type Area } from './areas';
 
 /** Layer of the floor, the sky and the lights: the objects that are drawn with one sample a pixel. */
@@ -18,8 +19,8 @@ const max_sunken = 8; // areas of bodies that reach below the floor; if there ar
 export interface Backdrop {
   floor: THREE.Object3D;
   sky: THREE.Object3D;
-  /** True: the floor is drawn into the depth buffer only, so that it hides what is below it. */
-  set_depth_only(on: boolean): void;
+  /** How the floor is drawn from now on. */
+  draw_as(mode: FloorMode): void;
 }
 
 export class SmoothAreas {
@@ -59,7 +60,12 @@ export class SmoothAreas {
     const areas = tile_areas(drawn_areas(scene, [backdrop.floor, backdrop.sky], camera, width, height), width, height, max_areas);
     this.draw_objects(scene, camera, backdrop, areas, width, height);
     renderer.setRenderTarget(null);
+    // Nothing is before or behind floor and sky, so that they need no depth. Clearing, testing and writing it takes a thirtieth of a video's time.
+    renderer.autoClearDepth = renderer.autoClearStencil = false;
+    backdrop.draw_as('flat');
     this.draw_backdrop(scene, camera);
+    backdrop.draw_as('whole');
+    renderer.autoClearDepth = renderer.autoClearStencil = true;
     if (areas.length === 0) return;
     areas.forEach(({ left, bottom, right, top }, i) => {
       const [l, b, r, t] = [(2 * left) / width - 1, (2 * bottom) / height - 1, (2 * right) / width - 1, (2 * top) / height - 1];
@@ -109,14 +115,14 @@ export class SmoothAreas {
     }
     renderer.autoClear = false;
     if (floor_shown) {
-      backdrop.set_depth_only(true);
+      backdrop.draw_as('depth');
       const sunken = join_areas(drawn_areas(scene, [backdrop.floor, backdrop.sky], camera, width, height, true));
       for (const area of sunken.length > max_sunken ? [sunken.reduce(join)] : sunken) {
         scissor(this.target!.scissor, area);
         renderer.setRenderTarget(this.target);
         this.draw_backdrop(scene, camera);
       }
-      backdrop.set_depth_only(false);
+      backdrop.draw_as('whole');
     }
     backdrop.floor.visible = false;
     scissor(this.target!.scissor, areas.length > 0 ? areas.reduce(join) : { left: 0, bottom: 0, right: 0, top: 0 });

@@ -159,7 +159,7 @@ export class Stage {
     this.set_ratio(still, draft);
     this.scene.updateMatrixWorld();
     this.shadow_region.limit(this.key, this.floor.place_patches(this.scene, this.key));
-    if (this.smooth) this.smooth.render(this.scene, camera, { floor: this.floor.object, sky: this.dome.mesh, set_depth_only: (on) => this.floor.set_depth_only(on) });
+    if (this.smooth) this.smooth.render(this.scene, camera, { floor: this.floor.object, sky: this.dome.mesh, draw_as: (mode) => this.floor.draw_as(mode) });
     else this.renderer.render(this.scene, camera);
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
