@@ -146,11 +146,10 @@ await test('the native program in an empty folder without environment variables 
   const words = ['--headless', '--steps', String(steps), '--inputs', 'inputs.json', '--json'];
   const done = JSON.parse(execFileSync('./park', words, { cwd: at('bare'), env: {}, encoding: 'utf8' }));
   expect(done.state_hash === wanted && done.steps === steps, `${done.state_hash}, wanted ${wanted}`);
-  if (process.getuid() === 0) {
-    // a root folder that contains the program only: no /proc, no libraries
-    const alone = JSON.parse(execFileSync('chroot', [at('bare'), '/park', ...words], { env: {}, cwd: at('bare'), encoding: 'utf8' }));
-    expect(alone.state_hash === wanted, `${alone.state_hash} without /proc`);
-  }
+  // A root folder that contains the program only: no /proc, no libraries. Only root may change the root folder, and not in every container.
+  const alone = spawnSync('/usr/sbin/chroot', [at('bare'), '/park', ...words], { env: {}, encoding: 'utf8' });
+  if (alone.error || alone.status === 125) console.log('# not tried without /proc: the root folder cannot be changed here');
+  else expect(JSON.parse(alone.stdout).state_hash === wanted, `without /proc: ${alone.stdout}${alone.stderr}`);
   const needs = spawnSync('ldd', [at('park')], { encoding: 'utf8' });
   expect(/not a dynamic executable|statically linked/.test(needs.stdout + needs.stderr), needs.stdout);
 });
