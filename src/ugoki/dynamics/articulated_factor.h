@@ -34,8 +34,7 @@ class ArticulatedFactor {
   /// Enlarges scratch memory for this factor.
   void make_room(FactorScratch& scratch) const;
   /// Uses `scratch`, for which make_room() was called, from now on, and releases the factor's own scratch memory. The processor's cache
-  /// then contains the scratch memory of one factor instead of that of all. Factors that share scratch memory must not run at the same
-  /// time.
+  /// then holds one scratch memory instead of one for each factor. Factors that share scratch memory must not compute at the same time.
   void use(FactorScratch& scratch);
 
   /// Computes the factor at the kinematics in `ws` (update_kinematics of the same mechanism). O(nv).
