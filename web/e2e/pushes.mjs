@@ -20,6 +20,7 @@ export const push_journeys = [
       const count = JSON.parse(before).events.length;
       await page.locator('.track-name').first().click();
       await blur(page);
+      await page.keyboard.press('0'); // not flat: a flat view drags in another plane
       await page.keyboard.press('f');
       await page.keyboard.press('Shift+P');
       const push = await until(page, async () => (await document_of(page)).events.length > count && (await document_of(page)).events.find((e) => e.type === 'push'), 'the push');
