@@ -52,6 +52,7 @@ void print_report(const CorrectionReport& r) {
   print_line(line);
   if (r.floor_height != 0 || r.floor_tilt != 0)
     print_line("The floor was at " + to_fixed(100 * r.floor_height, 1) + " cm and tilted by " + to_fixed(r.floor_tilt, 2) + " degrees.");
+  if (r.travel > 0) print_line("The standing feet slid all the time; the motion now travels " + to_fixed(r.travel, 2) + " m/s faster.");
   if (std::fabs(r.duration_change) >= 0.0005)  // s: less is printed as 0
     print_line("Gravity was wrong in a flight; the duration changed by " + to_fixed(r.duration_change, 3) + " s.");
 }
@@ -122,6 +123,7 @@ int run_correct(const Options& o) {
                                {"replaced_frames", report.replaced_frames},
                                {"floor_height_m", report.floor_height},
                                {"floor_tilt_deg", report.floor_tilt},
+                               {"travel_m_s", report.travel},
                                {"flights", report.flights},
                                {"duration_change_s", report.duration_change},
                                {"change_deg", report.change_deg},

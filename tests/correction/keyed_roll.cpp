@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "keyed_pose.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/contact_labels.h"
 #include "ugoki/spatial/rotation.h"
@@ -13,7 +14,7 @@
 namespace ugoki::correction {
 namespace {
 
-struct Key {
+struct RollKey {
   double time;                     // s
   double pitch, ahead;             // rad, m: of the hips
   Vec3 arm;                        // direction of the left arm in the frame of the chest
@@ -22,7 +23,7 @@ struct Key {
 };
 
 // clang-format off
-constexpr std::array<Key, 10> keys{{
+constexpr std::array<RollKey, 10> keys{{
     {0.0,  0.0,  0.00,  {0.1, 0.25, -1},   0.2, 0.03, 0.06, -0.03, 0.0, 0.0},    // stands
     {0.2,  0.0,  0.00,  {0.1, 0.25, -1},   0.2, 0.03, 0.06, -0.03, 0.0, 0.0},
     {1.1,  0.75, -0.05, {1, 0.2, -0.2},    0.3, 2.05, 2.1,  -0.5,  0.2, 0.2},    // squats
@@ -35,26 +36,7 @@ constexpr std::array<Key, 10> keys{{
     {3.2,  4.8,  1.05,  {1, 0.3, -0.6},    0.2, 1.5,  2.0,  0.1,   0.2, 0.3}}};
 // clang-format on
 
-/// Rotation vector that turns a stretched arm (y of its side) into a direction.
-Vec3 arm_turn(double side, const Vec3& direction) {
-  const Vec3 from{0, side, 0}, to = normalized(direction), axis = cross(from, to);
-  return axis * (std::atan2(norm(axis), dot(from, to)) / std::max(1e-9, norm(axis)));
-}
-
-void set_joint(const Mechanism& m, const std::string& name, const Vec3& turn, std::vector<double>& q) {
-  for (const Link& link : m.links()) {
-    if (link.name != name) continue;
-    const auto i = static_cast<std::size_t>(link.q_index);
-    if (link.joint.nq() == 1) {
-      q[i] = turn.x + turn.y;
-      return;
-    }
-    const Quat r = exp_map(turn);
-    q[i] = r.w, q[i + 1] = r.x, q[i + 2] = r.y, q[i + 3] = r.z;
-  }
-}
-
-std::vector<double> pose(const Mechanism& m, const Key& k) {
+std::vector<double> pose(const Mechanism& m, const RollKey& k) {
   std::vector<double> q = m.neutral();
   for (const double side : {1.0, -1.0}) {
     const std::string s = side > 0 ? "Left" : "Right";
@@ -83,15 +65,6 @@ double toes(const Mechanism& m, std::span<const double> q) {
 }
 
 }  // namespace
-
-double lowest_point(const Mechanism& m, std::span<const double> q) {
-  std::vector<Pose> X(m.links().size());
-  calc_poses(m, q, X);
-  double z = 1e9;
-  for (std::size_t i = 0; i < X.size(); ++i)
-    for (const SupportPoint& p : support_points(m.links()[i])) z = std::min(z, (X[i] * p.p).z - p.radius);
-  return z;
-}
 
 Motion keyed_roll(const Mechanism& m) {
   const auto nq = static_cast<std::size_t>(m.nq());

@@ -8,7 +8,5 @@ namespace ugoki::correction {
 
 /// The roll of samples::make_person(), 60 frames a second.
 [[nodiscard]] Motion keyed_roll(const Mechanism& person);
-/// m: height of the lowest support point of all links above the floor.
-[[nodiscard]] double lowest_point(const Mechanism& m, std::span<const double> q);
 
 }  // namespace ugoki::correction

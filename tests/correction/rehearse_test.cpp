@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "keyed_pose.h"
 #include "keyed_roll.h"
 #include "ugoki/collision/scene.h"
 #include "ugoki/dynamics/centroidal.h"

@@ -9,12 +9,19 @@ namespace ugoki::correction {
 namespace {
 
 constexpr double time_unit = 0.1;       // s: an acceleration a counts as the distance a time_unit^2, as for a centre of mass 1 m high
-constexpr double flight_weight = 30;    // relative to the distance of the centre of pressure from the soles
+constexpr double flight_weight = 85;    // relative to the distance of the centre of pressure from the soles
+constexpr double max_shift = 0.15;      // m over the ground: a motion that needs more is not balanced by moving its root
+constexpr double shift_weight = 10;     // of the distance beyond max_shift
 constexpr double pull_weight = 0.2;     // of the displacement itself
 constexpr double smooth_weight = 0.01;  // of its acceleration
 constexpr double inside = 0.85;         // the centre of pressure is kept in the soles shrunk by this factor
 constexpr double min_load = 0.15;       // fraction of the weight with which the ground must push in contact
-constexpr double reach_weight = 3;      // of a height in contact that the legs do not reach
+constexpr double max_load = 2.75;       // the same, at most; captured runs and jumps have 2.4 to 3.1, filtered
+constexpr double max_walk_load = 1.4;   // the same in walks, which have 1.2 to 1.5
+constexpr double calm_weight = 0.005;   // of the vertical acceleration in a walk, which halves its oscillations of 4 Hz
+constexpr double around_flight = 0.4;   // s: before and after flights and contacts of other links than feet, a motion is no walk
+constexpr double reach_weight = 1000;   // of a height in contact that the legs do not reach
+constexpr double trunk_weight = 1000;   // of the depth of the trunk, knees and other links that are no limbs with contacts in the floor
 constexpr int rounds = 60;
 constexpr double min_warp = 0.15;         // relative error of gravity above which a flight is retimed; captured flights have up to 10 %
 constexpr double min_warp_flight = 0.15;  // s: the acceleration of shorter flights is not accurate
@@ -75,6 +82,7 @@ Vec3 closest(const std::vector<Vec3>& hull, const Vec3& p) {
 /// What one frame demands.
 struct Frame {
   bool flies = false;
+  bool calm = true;        // a walk or a slower motion on the feet
   double lever = 0;        // s^2: the centre of pressure moves by -lever times the acceleration of the centre of mass
   Vec3 pressure;           // m: centre of pressure of the unchanged motion
   std::vector<Vec3> sole;  // shrunk polygon
@@ -83,7 +91,16 @@ struct Frame {
 std::vector<Frame> make_frames(const Observation& o, double gravity) {
   std::vector<Frame> frames(at(o.frames()));
   for (const Flight& flight : o.flights)
-    for (int f = flight.first; f <= flight.last; ++f) frames[at(f)].flies = true;
+    for (int f = 0; f < o.frames(); ++f) {
+      const int away = std::max({0, flight.first - f, f - flight.last});
+      if (away == 0) frames[at(f)].flies = true;
+      if (away < around_flight * o.rate) frames[at(f)].calm = false;
+    }
+  for (int f = 0; f < o.frames(); ++f) {
+    const int reach = static_cast<int>(around_flight * o.rate);
+    if (o.on_feet[at(f)]) continue;
+    for (int k = std::max(0, f - reach); k <= std::min(o.frames() - 1, f + reach); ++k) frames[at(k)].calm = false;
+  }
   for (int f = 0; f < o.frames(); ++f) {
     Frame& frame = frames[at(f)];
     if (frame.flies) continue;
@@ -115,8 +132,12 @@ std::vector<Vec3> find_centre_displacement(const Observation& o, double gravity,
   std::vector<Vec3> u(n);
   for (int round = 0; round < rounds; ++round) {
     BandLeastSquares terms[3] = {BandLeastSquares(n), BandLeastSquares(n), BandLeastSquares(n)};
-    for (std::size_t f = 0; f < n; ++f)
+    for (std::size_t f = 0; f < n; ++f) {
       for (BandLeastSquares& t : terms) t.add(f, 0, pull_weight * (frames[f].flies ? 0.01 : 1.0));
+      if (const double way = std::sqrt(u[f].x * u[f].x + u[f].y * u[f].y); way > max_shift)
+        for (int k = 0; k < 2; ++k) terms[k].add(f, u[f][k] * (max_shift / way), shift_weight);
+      if (u[f].z < -o.trunk_clearance[f]) terms[2].add(f, -o.trunk_clearance[f], trunk_weight);
+    }
     for (std::size_t f = 1; f + 1 < n; ++f) {
       const Frame& frame = frames[f];
       const Vec3 bend = (u[f - 1] - u[f] * 2 + u[f + 1]) * r2;
@@ -129,6 +150,9 @@ std::vector<Vec3> find_centre_displacement(const Observation& o, double gravity,
       if (u[f].z > headroom[f]) terms[2].add(f, headroom[f], reach_weight);
       const double load = o.acceleration[f].z + bend.z + gravity;
       if (load < min_load * gravity) terms[2].add(f - 1, second, unit * ((min_load - 1) * gravity - o.acceleration[f].z), 1);
+      if (frame.calm) terms[2].add(f - 1, second, -unit * o.acceleration[f].z, calm_weight);
+      const double max_now = frame.calm ? max_walk_load : max_load;
+      if (load > max_now * gravity) terms[2].add(f - 1, second, unit * ((max_now - 1) * gravity - o.acceleration[f].z), 1);
       if (frame.sole.empty()) continue;
       const Vec3 pressure = frame.pressure + u[f] - bend * frame.lever;
       const Vec3 goal = closest(frame.sole, pressure);

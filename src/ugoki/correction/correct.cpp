@@ -2,48 +2,42 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "ugoki/base/number.h"
 #include "ugoki/correction/centre_path.h"
 #include "ugoki/correction/clean.h"
+#include "ugoki/correction/contacts.h"
 #include "ugoki/correction/flight_spin.h"
 #include "ugoki/correction/floor_plane.h"
 #include "ugoki/correction/observe.h"
+#include "ugoki/correction/place.h"
+#include "ugoki/correction/travel.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/pass_through.h"
 #include "ugoki/motion_edit/edit.h"
-#include "ugoki/motion_edit/foot_lock.h"
 #include "ugoki/motion_edit/rounds.h"
 
 namespace ugoki::correction {
 namespace {
 
 using motion_edit::FootContacts;
-using motion_edit::FootPath;
 
-constexpr int rounds = 4;            // of moving the root to the wanted centre of mass, and the legs to the feet
 constexpr double anchor_time = 0.1;  // s: time constant with which the root follows the standing feet
-constexpr double swing_ease = 0.12;  // s before and after a stance in which a foot begins and ceases to follow the root
+constexpr double settling = 2;       // s of further cycles on both sides of a cycle: the ends of a motion act on the centre of mass for 1 s
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Heights and speeds are tolerant, because the feet of a wrong motion hover and slide.
-FootContacts contacts_of(const Mechanism& m, const Motion& motion) {
-  motion_edit::FootContactOptions o;
-  o.height_on = 0.05;
-  o.height_off = 0.065;
-  o.speed_on = 0.5;
-  o.speed_off = 0.9;
-  return motion_edit::find_contacts(m, motion, o);
-}
-
 /// Moves the whole character so that the feet in contact rest on the ground on the average: removes the drift of the root over the ground,
 /// and the height of feet that hover or sink together.
-void anchor(const Mechanism& m, const FootContacts& contacts, Motion& motion) {
+/// @param origin frame that stays at its place over the ground
+void anchor(const Mechanism& m, const FootContacts& contacts, int origin, Motion& motion) {
   constexpr double loaded = 0.012;  // m: points this far above the lowest one carry no load, as in FootLockOptions
   const std::size_t n = at(motion.frames);
   std::vector<double> x(n), y(n), weight(n), lift(n), standing(n);
   std::vector<Pose> X(at(m.link_count())), before(X.size());
+  const std::vector<LinkPoint> others = other_points(m, contacts);
+  const double size = motion_edit::mean_leg_length(contacts.feet) / 0.9;
   for (std::size_t f = 0; f < n; ++f) {
     calc_poses(m, {motion.frame(static_cast<int>(f)), at(motion.nq)}, X);
     for (std::size_t k = 0; k < contacts.feet.size(); ++k) {
@@ -65,6 +59,12 @@ void anchor(const Mechanism& m, const FootContacts& contacts, Motion& motion) {
         weight[f] += w;
       }
     }
+    double trunk = 1e300;  // a trunk, a knee or another link on the floor stays there
+    for (const LinkPoint& p : others) trunk = std::min(trunk, (X[at(p.link)] * p.location.p).z - p.location.radius);
+    if (std::fabs(trunk) < other_height * size) {
+      lift[f] = -trunk;
+      standing[f] = 1;
+    }
     if (weight[f] > 0) {
       x[f] /= weight[f];
       y[f] /= weight[f];
@@ -77,38 +77,22 @@ void anchor(const Mechanism& m, const FootContacts& contacts, Motion& motion) {
   x = pass_through(x, weight, stiffness);
   y = pass_through(y, weight, stiffness);
   lift = pass_through(lift, standing, stiffness);
-  Vec3 shift;
-  for (std::size_t f = 0; f < n; ++f) {
-    if (f > 0) shift -= Vec3{x[f], y[f], 0};
-    displace(m, {Mat3::identity(), shift + Vec3{0, 0, lift[f]}}, motion.frame(static_cast<int>(f)));
-  }
-}
-
-/// Share [feet][frames], 0 to 1, with which each foot follows the displacement of the root: 0 in contact, 1 in swing and flight.
-std::vector<std::vector<double>> swing_shares(const FootContacts& contacts, double rate) {
-  std::vector<std::vector<double>> out;
-  for (const std::vector<std::uint8_t>& on : contacts.bears) {
-    const std::size_t n = on.size();
-    std::vector<double> away(n, 1e9);
-    for (std::size_t f = 0; f < n; ++f) away[f] = on[f] ? 0 : f > 0 ? away[f - 1] + 1 : 1e9;
-    for (std::size_t f = n - 1; f-- > 0;) away[f] = std::min(away[f], away[f + 1] + 1);
-    for (double& x : away) {
-      const double s = std::min(1.0, x / (swing_ease * rate));
-      x = s * s * (3 - 2 * s);
-    }
-    out.push_back(std::move(away));
-  }
-  return out;
+  std::vector<Vec3> shift(n);
+  for (std::size_t f = 1; f < n; ++f) shift[f] = shift[f - 1] - Vec3{x[f], y[f], 0};
+  for (std::size_t f = 0; f < n; ++f)
+    displace(m, {Mat3::identity(), shift[f] - shift[at(origin)] + Vec3{0, 0, lift[f]}}, motion.frame(static_cast<int>(f)));
 }
 
 class Correction {
  public:
-  Correction(const Mechanism& m, const CorrectOptions& o, CorrectionReport& report) : m_(m), o_(o), report_(report) {}
+  /// @param origin frame that stays at its place over the ground, if feet slide
+  Correction(const Mechanism& m, const CorrectOptions& o, int origin, CorrectionReport& report)
+      : m_(m), o_(o), origin_(origin), report_(report) {}
 
   /// Corrects a motion that is not cyclic.
   Result<Motion> run(const Motion& motion) {
     if (!go_on(0)) return cancelled();
-    FootContacts contacts = contacts_of(m_, motion);
+    FootContacts contacts = find_bearing_limbs(m_, motion);
     if (contacts.feet.empty())
       return fail(ErrorCode::structure, "mechanism " + m_.name(), "The mechanism has no feet.",
                   "Label the links that stand on the ground 'foot' or 'paw'.");
@@ -117,6 +101,10 @@ class Correction {
     report_.replaced_frames = remove_pops(m_, out);
     remove_jitter(m_, out, o_.smoothing);
     if (!go_on(0.1)) return cancelled();
+    const Vec3 travel = find_missing_travel(m_, out, contacts.feet);
+    report_.travel = norm(travel);
+    for (Motion* motion_of : {&original, &out})
+      for (int f = 0; f < out.frames; ++f) displace(m_, {Mat3::identity(), travel * ((f - origin_) / out.rate)}, motion_of->frame(f));
     if (o_.level_floor) {
       const FloorPlane floor = find_floor(m_, out, contacts.feet);
       report_.floor_height = floor.height;
@@ -124,17 +112,17 @@ class Correction {
       for (Motion* level : {&original, &out})
         for (int f = 0; f < out.frames; ++f) displace(m_, floor.to_level(), level->frame(f));
     }
-    contacts = contacts_of(m_, out);
+    contacts = find_bearing_limbs(m_, out);
     if (!o_.keep_duration) {
       Result<void> retimed = retime(contacts, original, out);
       if (!retimed) return fail(std::move(retimed.error()));
-      contacts = contacts_of(m_, out);
+      contacts = find_bearing_limbs(m_, out);
     }
     if (!go_on(0.2)) return cancelled();
     keep_limits(m_, out);
-    anchor(m_, contacts, out);
-    Result<Motion> placed = place(contacts, out);
-    if (!placed) return placed;
+    anchor(m_, contacts, std::min(origin_, out.frames - 1), out);
+    std::optional<Motion> placed = place_body(m_, out, o_.gravity, [&](double done) { return go_on(0.3 + 0.6 * done); }, contacts);
+    if (!placed) return cancelled();
     out = std::move(*placed);
     const Observation o = observe(m_, out, contacts);
     report_.flights = static_cast<int>(o.flights.size());
@@ -171,64 +159,9 @@ class Correction {
     return {};
   }
 
-  /// Moves the root until the centre of mass is on its physical trajectory, with feet that stand still.
-  Result<Motion> place(const FootContacts& contacts, const Motion& motion) {
-    const motion_edit::FootLockOptions lock;
-    std::vector<FootPath> paths = motion_edit::foot_paths(m_, motion, contacts);
-    motion_edit::pin_stances(paths, motion.rate, 0, motion_edit::mean_leg_length(contacts.feet), lock);
-    const std::vector<std::vector<double>> follows = swing_shares(contacts, motion.rate);
-    Motion out = motion_edit::follow_paths(m_, motion, contacts.feet, paths, lock);
-    const Observation first = observe(m_, out, contacts);
-    // Around flights, the legs bound the height from which the body takes off and to which it lands.
-    constexpr double around_flight = 0.4;      // s
-    constexpr double lift_ease = 0.01;         // m: lifts of feet begin smoothly
-    constexpr double take_off_stretch = 0.97;  // of the leg's length: a straight knee would move too fast
-    std::vector<double> room(at(motion.frames), 1e9);
-    std::vector<std::uint8_t> flies(at(motion.frames), 0);
-    std::vector<Pose> X(at(m_.link_count()));
-    const auto near_flight = [&](int f) {
-      return std::ranges::any_of(first.flights, [&](const Flight& flight) {
-        return f >= flight.first - around_flight * motion.rate && f <= flight.last + around_flight * motion.rate;
-      });
-    };
-    for (const Flight& flight : first.flights) std::fill(flies.begin() + flight.first, flies.begin() + flight.last + 1, 1);
-    for (int f = 0; f < motion.frames; ++f) {
-      if (!near_flight(f)) continue;
-      calc_poses(m_, {out.frame(f), at(out.nq)}, X);
-      for (std::size_t k = 0; k < paths.size(); ++k)
-        if (paths[k].bears[at(f)])
-          room[at(f)] = std::min(
-              room[at(f)], motion_edit::headroom(contacts.feet[k], paths[k].X_WF[at(f)].p, X, take_off_stretch * contacts.feet[k].length));
-    }
-    const std::vector<Vec3> displacement = find_centre_displacement(first, o_.gravity, room);
-    std::vector<Vec3> shift = displacement;
-    for (int round = 0; round < rounds; ++round) {
-      if (!go_on(0.3 + 0.6 * round / rounds)) return cancelled();
-      Motion moved = motion;
-      std::vector<FootPath> goals = paths;
-      for (int f = 0; f < motion.frames; ++f) {
-        displace(m_, {Mat3::identity(), shift[at(f)]}, moved.frame(f));
-        calc_poses(m_, {moved.frame(f), at(moved.nq)}, X);
-        for (std::size_t k = 0; k < goals.size(); ++k) {
-          Vec3& foot = goals[k].X_WF[at(f)].p;
-          foot += shift[at(f)] * follows[k][at(f)];
-          // in a flight, a foot is lifted before its leg would hold the body back
-          if (!flies[at(f)]) continue;
-          const double lack = -motion_edit::headroom(contacts.feet[k], foot, X, lock.stretch * contacts.feet[k].length);
-          foot.z += 0.5 * (lack + std::sqrt(lack * lack + lift_ease * lift_ease));
-        }
-      }
-      out = motion_edit::follow_paths(m_, moved, contacts.feet, goals, lock);
-      for (int f = 0; f < motion.frames; ++f) {
-        calc_poses(m_, {out.frame(f), at(out.nq)}, X);
-        shift[at(f)] += first.centre[at(f)] + displacement[at(f)] - centre_of_mass(m_, X);
-      }
-    }
-    return out;
-  }
-
   const Mechanism& m_;
   const CorrectOptions& o_;
+  int origin_;
   CorrectionReport& report_;
 };
 
@@ -252,26 +185,24 @@ Result<Motion> correct_motion(const Mechanism& m, const Motion& motion, const Co
   CorrectionReport& reported = report ? *report : unused;
   reported = {};
   if (options.strength == 0) {
-    const FootContacts contacts = contacts_of(m, motion);
+    const FootContacts contacts = find_bearing_limbs(m, motion);
     reported.before = reported.after = measure(m, motion, contacts, options);
     return motion;
   }
   Motion source = motion;
   source.torques = nullptr;
   const bool around = motion.cyclic && motion.frames > 2;
+  if (!around) return Correction(m, options, 0, reported).run(source);
   CorrectOptions own = options;
-  if (around) {
-    own.keep_duration = true;  // the rounds stay equal
-    source = motion_edit::three_rounds(source, m);
-  }
-  Result<Motion> out = Correction(m, own, reported).run(source);
-  if (!out || !around) return out;
+  own.keep_duration = true;  // the cycles stay equal
+  const int n = motion_edit::round_frames(motion), cycles = static_cast<int>(std::ceil(settling * motion.rate / n)), first = cycles * n;
+  Result<Motion> out = Correction(m, own, first, reported).run(motion_edit::several_rounds(source, m, cycles));
+  if (!out) return out;
   Motion middle = *out;
-  const int first = motion_edit::round_frames(motion);
-  middle.q.assign(out->frame(first), out->frame(2 * first) + out->nq);
-  middle.frames = first + 1;
+  middle.q.assign(out->frame(first), out->frame(first + n) + out->nq);
+  middle.frames = n + 1;
   middle.contacts.clear();
-  return motion_edit::middle_round(*out, m, cycle_of(middle, m));
+  return motion_edit::middle_round(*out, m, cycle_of(middle, m), cycles);
 }
 
 }  // namespace ugoki::correction

@@ -36,6 +36,7 @@ struct CorrectionReport {
   int replaced_frames = 0;     ///< popping frames of joints, which were interpolated
   double floor_height = 0;     ///< m: height of the floor that was found, at its centre
   double floor_tilt = 0;       ///< degrees
+  double travel = 0;           ///< m/s: speed that a walk in place was given, so that its standing feet rest; not part of root_move_cm
   int flights = 0;             ///< number of flights
   double duration_change = 0;  ///< s: time that wrong gravity in flights added or removed
   double change_deg = 0;       ///< rms rotation of the joints from the original motion at equal phase, degrees

@@ -21,19 +21,26 @@ std::vector<Vec3> standing_points(const Mechanism& m, const Motion& motion, std:
   std::vector<std::vector<Pose>> X(at(motion.frames), std::vector<Pose>(at(m.link_count())));
   for (int f = 0; f < motion.frames; ++f) calc_poses(m, {motion.frame(f), at(motion.nq)}, X[at(f)]);
   std::vector<Vec3> out;
+  const auto height = [&](int f, const LinkPoint& p) { return (X[at(f)][at(p.link)] * p.location.p).z - p.location.radius; };
+  std::vector<LinkPoint> others;
+  for (int i = 0; i < m.link_count(); ++i)
+    for (const SupportPoint& p : support_points(m.link(i))) others.push_back({i, p});
+  std::vector<double> lowest(at(motion.frames), 1e300);  // m, of all links: feet that are higher than a hand or the back do not stand
+  for (int f = 0; f < motion.frames; ++f)
+    for (const LinkPoint& p : others) lowest[at(f)] = std::min(lowest[at(f)], height(f, p));
   for (const motion_edit::FootLimb& foot : feet)
     for (int f = 1; f + 1 < motion.frames; ++f) {
-      const LinkPoint* lowest = nullptr;
+      const LinkPoint* sole = nullptr;
       double low = 0;
       for (const LinkPoint& p : foot.points) {
-        const double z = (X[at(f)][at(p.link)] * p.location.p).z - p.location.radius;
-        if (lowest && z >= low) continue;
-        lowest = &p;
+        const double z = height(f, p);
+        if (sole && z >= low) continue;
+        sole = &p;
         low = z;
       }
-      if (!lowest) continue;
-      const std::size_t link = at(lowest->link);
-      const Vec3 p = lowest->location.p + transpose_times(X[at(f)][link].R, Vec3{0, 0, -lowest->location.radius});
+      if (!sole || low > lowest[at(f)] + 2 * outlier) continue;
+      const std::size_t link = at(sole->link);
+      const Vec3 p = sole->location.p + transpose_times(X[at(f)][link].R, Vec3{0, 0, -sole->location.radius});
       if (norm(X[at(f + 1)][link] * p - X[at(f - 1)][link] * p) * 0.5 * motion.rate < slow) out.push_back(X[at(f)][link] * p);
     }
   return out;

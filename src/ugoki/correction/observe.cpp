@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ugoki/control/contact_forces.h"
+#include "ugoki/correction/contacts.h"
 #include "ugoki/dynamics/centroidal.h"
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/mechanism/state.h"
@@ -18,6 +19,7 @@ namespace {
 /// m: points of a sole that are at most this far above its lowest point carry load. Soles of captures tilt by a few degrees in stance,
 /// which raises one end of a sole of 0.25 m by 2 cm.
 constexpr double loaded_height = 0.025;
+constexpr double leg_of_constants = 0.9;  // m: heights scale with the leg
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -77,17 +79,23 @@ void displace(const Mechanism& m, const Pose& X, double* q) {
   std::copy(values, values + 7, q);
 }
 
-std::vector<Flight> find_flights(const motion_edit::FootContacts& contacts, int frames, double rate) {
+namespace {
+
+/// Times without supports that last long enough, and in which the body leaves the floor.
+std::vector<Flight> find_flights(const Observation& o, double clearance) {
   std::vector<Flight> flights;
-  const auto flies = [&](int f) { return std::ranges::none_of(contacts.bears, [&](const auto& on) { return on[at(f)] != 0; }); };
-  for (int f = 0; f < frames; ++f) {
+  const auto flies = [&](int f) { return o.supports[at(f)].empty(); };
+  for (int f = 0; f < o.frames(); ++f) {
     if (!flies(f)) continue;
     const int first = f;
-    while (f + 1 < frames && flies(f + 1)) ++f;
-    if (first > 0 && f + 1 < frames && f - first + 1 >= min_flight * rate) flights.push_back({first, f});
+    while (f + 1 < o.frames() && flies(f + 1)) ++f;
+    const double highest = *std::max_element(o.clearance.begin() + first, o.clearance.begin() + f + 1);
+    if (first > 0 && f + 1 < o.frames() && f - first + 1 >= min_flight * o.rate && highest >= clearance) flights.push_back({first, f});
   }
   return flights;
 }
+
+}  // namespace
 
 Observation observe(const Mechanism& m, const Motion& motion, const motion_edit::FootContacts& contacts) {
   Observation o;
@@ -96,6 +104,11 @@ Observation observe(const Mechanism& m, const Motion& motion, const motion_edit:
   dynamics::Workspace ws(m);
   std::vector<double> v(at(m.nv()));
   o.supports.resize(at(n));
+  o.on_feet.assign(at(n), 1);
+  o.clearance.assign(at(n), 1e300);
+  o.trunk_clearance.assign(at(n), 1e300);
+  const std::vector<LinkPoint> others = other_points(m, contacts);
+  const double leg = motion_edit::mean_leg_length(contacts.feet), size = leg > 0 ? leg / leg_of_constants : 1;
   for (int f = 0; f < n; ++f) {
     const int a = std::max(0, f - 1), b = std::min(n - 1, f + 1);
     difference(m, {motion.frame(a), at(motion.nq)}, {motion.frame(b), at(motion.nq)}, v);
@@ -106,17 +119,28 @@ Observation observe(const Mechanism& m, const Motion& motion, const motion_edit:
     o.centre.push_back(c.centre);
     o.spin.push_back(c.momentum.w);
     o.inertia.push_back(c.inertia);
+    const auto lowest = [&](const LinkPoint& p) { return ws.X_WB[at(p.link)] * p.location.p - Vec3{0, 0, p.location.radius}; };
     for (std::size_t k = 0; k < contacts.feet.size(); ++k) {
-      if (!contacts.bears[k][at(f)]) continue;
       std::vector<Vec3> points;
       double low = 1e300;
       for (const LinkPoint& p : contacts.feet[k].points) {
-        points.push_back(ws.X_WB[at(p.link)] * p.location.p - Vec3{0, 0, p.location.radius});
+        points.push_back(lowest(p));
         low = std::min(low, points.back().z);
       }
+      o.clearance[at(f)] = std::min(o.clearance[at(f)], low);
+      if (!contacts.bears[k][at(f)]) continue;
+      if (m.link(contacts.feet[k].link).label.starts_with("hand")) o.on_feet[at(f)] = 0;
       for (const Vec3& p : points)
         if (p.z <= low + loaded_height) o.supports[at(f)].push_back(p);
     }
+    for (const LinkPoint& p : others) {
+      const Vec3 point = lowest(p);
+      o.trunk_clearance[at(f)] = std::min(o.trunk_clearance[at(f)], point.z);
+      if (point.z > other_height * size) continue;
+      o.supports[at(f)].push_back(point);
+      o.on_feet[at(f)] = 0;
+    }
+    o.clearance[at(f)] = std::min(o.clearance[at(f)], o.trunk_clearance[at(f)]);
   }
   o.moment = rate_of(o.spin, motion.rate);
   o.acceleration.resize(at(n));
@@ -126,7 +150,7 @@ Observation observe(const Mechanism& m, const Motion& motion, const motion_edit:
     o.acceleration.front() = o.acceleration[1];
     o.acceleration.back() = o.acceleration[at(n - 2)];
   }
-  o.flights = find_flights(contacts, n, motion.rate);
+  o.flights = find_flights(o, min_clearance * size);
   return o;
 }
 

@@ -332,6 +332,7 @@ class Operation {
     change("Depth in the ground", r.before.penetration_mm, r.after.penetration_mm, 1, " mm");
     change("Force that the ground cannot supply", r.before.residual_bw, r.after.residual_bw, 3, " body weights");
     if (r.flights > 0) change("Error of gravity in flights", r.before.flight_g, r.after.flight_g, 3, " g");
+    if (r.travel > 0) report("The standing feet slid all the time. The motion now travels " + to_fixed(r.travel, 2) + " m/s faster.");
     change("Jerk", r.before.jerk, r.after.jerk, 2, " thousand rad/s³");
     report("Joints changed by " + to_fixed(r.change_deg, 1) + "° rms, the root by " + to_fixed(r.root_move_cm, 1) + " cm rms.");
     const bool looped = out_.clip.loop && made->cyclic;
