@@ -4,6 +4,7 @@
 // else as with a graphics processor. Times of the page are processor time of its main thread, so they are also valid on a busy machine.
 import { writeFileSync } from 'node:fs';
 import { load_of, play, walkers, with_studio } from './measured_studio.mjs';
+import { quantile, scrub } from './scrub.mjs';
 import { growth_limit_mb, soak } from './soak.mjs';
 
 const words = process.argv.slice(2);
@@ -15,8 +16,6 @@ const soak_minutes = Number(option('--soak', 0));
 const seconds = Number(option('--seconds', 6));
 const json = option('--json', '');
 const counts = words.length > 0 ? words.map(Number) : [1, 20, 100];
-
-const quantile = (values, q) => [...values].sort((a, b) => a - b)[Math.min(values.length - 1, Math.floor(q * values.length))] ?? NaN;
 
 const rows = [];
 for (const count of counts) {
@@ -49,34 +48,9 @@ for (const count of counts) {
   console.log(`${String(row.characters).padStart(4)} characters: ${row.cpu_ms.toFixed(1)} ms processor time a picture (script ${row.script_ms.toFixed(1)}), frame callback p50 ${row.p50_ms.toFixed(1)} p99 ${row.p99_ms.toFixed(1)} ms, page ${row.heap_mb.toFixed(1)} MB, server ${row.server_percent.toFixed(0)} % ${row.server_mb.toFixed(0)} MB, ${row.pictures} pictures of ${row.frames} frames, ${row.draws.toFixed(0)} drawing calls each`);
 }
 
-const scrub = await with_studio(walkers(1, 600), async ({ page }) =>
-  page.evaluate(() =>
-    new Promise((resolve) => {
-      const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/ws`, ['ugoki', `ugoki.token.${sessionStorage.getItem('ugoki_token')}`]);
-      socket.binaryType = 'arraybuffer';
-      const times = [];
-      let [wanted, sent, seed] = [-1, 0, 1];
-      const jump = () => {
-        if (times.length === 60) return resolve(times);
-        seed = (seed * 48271) % 2147483647;
-        wanted = Math.round((600 * 60 * seed) / 2147483647) / 60;
-        sent = performance.now();
-        socket.send(JSON.stringify({ id: 10 + times.length, op: 'seek', time: wanted }));
-      };
-      socket.onopen = () => socket.send('{"id":1,"op":"hello"}');
-      socket.onmessage = ({ data }) => {
-        if (typeof data === 'string') {
-          if (JSON.parse(data).reply === 1) jump();
-        } else if (wanted >= 0 && Math.abs(new DataView(data).getFloat64(8, true) - wanted) < 1 / 100) {
-          times.push(performance.now() - sent);
-          wanted = -1;
-          setTimeout(jump, 5);
-        }
-      };
-    }),
-  ),
-);
-console.log(`jump of the playhead in 10 minutes, until the frame is here: p50 ${quantile(scrub, 0.5).toFixed(1)} ms, p99 ${quantile(scrub, 0.99).toFixed(1)} ms`);
+const jumps = await scrub();
+const scrub_ms = { p50: quantile(jumps.times, 0.5), p99: quantile(jumps.times, 0.99), longest_task: jumps.longest_task_ms, programs: jumps.programs_ms };
+console.log(`jump of the playhead in 10 minutes, until the frame is here: p50 ${scrub_ms.p50.toFixed(1)} ms, p99 ${scrub_ms.p99.toFixed(1)} ms; processor time: longest task of the page ${scrub_ms.longest_task.toFixed(1)} ms, programs ${scrub_ms.programs.toFixed(2)} ms a jump`);
 
 let growth = null;
 if (soak_minutes > 0) {
@@ -84,4 +58,4 @@ if (soak_minutes > 0) {
   console.log(`${soak_minutes} minutes of work: page grew by ${growth.page_mb.toFixed(1)} MB, programs by ${growth.server_mb.toFixed(1)} MB`);
   if (growth.page_mb > growth_limit_mb || growth.server_mb > growth_limit_mb) process.exitCode = 1;
 }
-if (json) writeFileSync(json, `${JSON.stringify({ rows, scrub_ms: { p50: quantile(scrub, 0.5), p99: quantile(scrub, 0.99) }, growth }, null, 1)}\n`);
+if (json) writeFileSync(json, `${JSON.stringify({ rows, scrub_ms, growth }, null, 1)}\n`);
