@@ -86,6 +86,37 @@ TEST_F(MeshPropTest, MassesAreThoseOfScaledSolids) {
     EXPECT_NEAR(x, y, 1e-12);
 }
 
+/// The skin of a textured mesh is scaled and tilted as its surface is.
+TEST_F(MeshPropTest, SkinFollowsScaleAndTilt) {
+  MechanismSpec spec = resources.mechanisms["m-block"]->spec();
+  auto skin = std::make_shared<Skin>();
+  skin->positions = {0.5F, -0.5F, 1, 0, 0, 0, -0.5F, 0.5F, 0.25F};
+  skin->normals = {0, 0, 1, 0, 0, 1, 0, 0, 1};
+  skin->uvs.assign(6, 0);
+  skin->bones.assign(12, 0);
+  skin->weights = {65535, 0, 0, 0, 65535, 0, 0, 0, 65535, 0, 0, 0};
+  skin->indices = {0, 1, 2};
+  skin->parts = {{"#ffffff", -1, 0, 3, 0, false}};
+  spec.skin = skin;
+  spec.skin_bones = {{"body", Mat3::identity(), {0, 0, 0.1}}};
+  const MechanismPtr mesh = Mechanism::make(spec).value();
+  Prop prop;
+  prop.shape = PropShape::mesh;
+  prop.mesh = "m-block";
+  prop.scale = {0.4, 0.9, 2};
+  prop.tilt = {90, 0, 0};
+  const MechanismPtr made = make_prop(prop, mesh);
+  ASSERT_TRUE(made->skin());
+  EXPECT_EQ(made->skin(), mesh->skin()) << "props share the lists of the skin";
+  const std::vector<SkinBone> bones(made->skin_bones().begin(), made->skin_bones().end());
+  const Pose X = Pose{};
+  // (x, y, z + 0.1) is scaled, and turned by 90 degrees about x: y becomes z, z becomes -y
+  EXPECT_NEAR(norm(skinned_point(*skin, bones, {&X, 1}, 0) - Vec3{0.4 * 0.5, -2 * 1.1, -0.9 * 0.5}), 0, 1e-7);
+  EXPECT_NEAR(norm(skinned_point(*skin, bones, {&X, 1}, 2) - Vec3{-0.4 * 0.5, -2 * 0.35, 0.9 * 0.5}), 0, 1e-7);
+  prop.shape = PropShape::box;
+  EXPECT_FALSE(make_prop(prop)->skin());
+}
+
 /// What collides: nothing passes below the table with its hull; with its parts and with its surface a ball rolls below it.
 TEST_F(MeshPropTest, CollisionIsThatOfHullPartsOrSurface) {
   for (const char* collision : {"hull", "parts", "surface"}) {

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "ugoki/base/base64.h"
 #include "ugoki/content/prop.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/intake/intake.h"
@@ -89,6 +90,63 @@ TEST(MeshBody, OpenAndFlatMeshesAreUsedWithACheck) {
   ASSERT_FALSE(tiny);
   EXPECT_EQ(tiny.error().problems[0].location, "dot.obj");
   EXPECT_NE(tiny.error().problems[0].remedy.find("unit"), std::string::npos);
+}
+
+/// Two rectangles that meet at a right angle along y, and a third one that continues the first one, with a texture.
+MeshScene textured_corner() {
+  MeshScene scene;
+  scene.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 1}, {1, 1, 1}, {-1, 0, 0.2}, {-1, 1, 0.2}};
+  scene.normals.assign(8, Vec3{});
+  scene.uvs.assign(16, 0.5F);
+  scene.textures.resize(1);
+  scene.textures[0].type = "image/png";
+  const std::vector<std::uint8_t> picture =
+      from_base64("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==").value();
+  for (const std::uint8_t b : picture) scene.textures[0].data.push_back(static_cast<std::byte>(b));
+  scene.parts.push_back({"#808080", {{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}, {6, 0, 3}, {6, 3, 7}}, 0});
+  return scene;
+}
+
+TEST(MeshBody, TexturedSurfaceIsTheSkin) {
+  const Result<MeshBody> body = make_mesh_body(textured_corner(), "corner", "corner.glb");
+  ASSERT_TRUE(body) << body.error().text();
+  EXPECT_TRUE(content::is_mesh_body(*body->mechanism));
+  const SkinPtr skin = body->mechanism->skin();
+  ASSERT_TRUE(skin);
+  EXPECT_EQ(skin->triangle_count(), 6U);
+  EXPECT_EQ(skin->parts.at(0).color, "#ffffff");
+  // the skin is where the visible shape is
+  const Pose here = Pose{};
+  const std::vector<SkinBone> bones(body->mechanism->skin_bones().begin(), body->mechanism->skin_bones().end());
+  for (std::size_t i = 0; i < skin->indices.size(); ++i) {
+    const std::uint32_t v = skin->indices[i];
+    const Vec3 p = skinned_point(*skin, bones, {&here, 1}, v);
+    double nearest = 1;
+    for (const Vec3& q : body->mechanism->link(0).shapes[0].geometry->vertices) nearest = std::min(nearest, norm(p - q));
+    EXPECT_LT(nearest, 1e-6);
+    // the flat rectangles have an edge between them, and the two that meet at 11 degrees are smooth
+    const Vec3 n{static_cast<double>(skin->normals[3 * v]), static_cast<double>(skin->normals[3 * v + 1]),
+                 static_cast<double>(skin->normals[3 * v + 2])};
+    const std::size_t triangle = i / 3;
+    if (triangle == 2 || triangle == 3) {
+      EXPECT_NEAR(std::fabs(n.x), 1, 1e-6) << "the wall is flat up to its edge";
+    } else {
+      EXPECT_GT(std::fabs(n.z), 0.97);
+    }
+    if (triangle < 2 && p.x < 0.01) EXPECT_GT(std::fabs(n.x), 0.05) << "the floor bends towards its neighbour";
+  }
+  const Result<MechanismPtr> back = formats::read_mechanism(formats::write_mechanism(*body->mechanism), "corner");
+  ASSERT_TRUE(back) << back.error().text();
+  EXPECT_EQ((*back)->skin()->textures.at(0).data, skin->textures.at(0).data);
+}
+
+TEST(MeshBody, TooLargeTexturesAreLeftOutWithACheck) {
+  MeshScene scene = textured_corner();
+  scene.textures[0].data.assign(64, std::byte{1});  // not a picture
+  const Result<MeshBody> body = make_mesh_body(scene, "corner", "corner.glb");
+  ASSERT_TRUE(body) << body.error().text();
+  EXPECT_FALSE(body->mechanism->skin());
+  EXPECT_NE(body->checks.back().find("textures are left out"), std::string::npos);
 }
 
 TEST(MeshBody, MeshFilesBecomeEntries) {

@@ -138,6 +138,90 @@ TEST(MeshScene, GltfNodesMoveScaleAndMirror) {
   EXPECT_NEAR(norm(scene.vertices[2] - Vec3{-2, 0, 1}), 0, 1e-6);
 }
 
+/// A PNG picture of one pixel, in base64.
+const std::string pixel = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==";
+
+/// A glTF text: a triangle with normals and texture coordinates on a node that is stretched, whose texture is transformed.
+std::string textured_gltf(const std::string& image, const std::string& transform = "") {
+  const std::vector<float> numbers = {0,     0,    0,    1,    0, 0,    0, 1, 0,  // positions
+                                      0.6F,  0,    0.8F, 0.6F, 0, 0.8F, 0, 0, 1,  // normals
+                                      0.25F, 0.5F, 1,    0,    0, 0.75F};         // texture coordinates
+  const std::string packed = to_base64({reinterpret_cast<const std::uint8_t*>(numbers.data()), 4 * numbers.size()});
+  return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "extensionsUsed": ["KHR_texture_transform"],
+    "nodes": [{"mesh": 0, "scale": [2, 1, -1]}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}, "material": 0}]}],
+    "materials": [{"doubleSided": true, "alphaMode": "MASK", "alphaCutoff": 0.25,
+      "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 0, 1], "baseColorTexture": {"index": 0)" +
+         transform + R"(}}}],
+    "textures": [{"source": 0}], "images": [)" +
+         image + R"(],
+    "buffers": [{"byteLength": 96, "uri": "data:application/octet-stream;base64,)" +
+         packed + R"("}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 36}, {"buffer": 0, "byteOffset": 72, "byteLength": 24}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+                  {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3"},
+                  {"bufferView": 2, "componentType": 5126, "count": 3, "type": "VEC2"}]})";
+}
+
+TEST(MeshScene, GltfHasItsTextures) {
+  const MeshScene scene = read(textured_gltf(R"({"uri": "data:image/png;base64,)" + pixel + R"("})"), "a.gltf");
+  ASSERT_EQ(scene.parts.size(), 1U);
+  const MeshPart& part = scene.parts[0];
+  EXPECT_EQ(part.texture, 0);
+  EXPECT_EQ(part.tint, "#ffff00");
+  EXPECT_EQ(part.cutoff, 0.25);
+  EXPECT_TRUE(part.both_sides);
+  ASSERT_EQ(scene.textures.size(), 1U);
+  EXPECT_EQ(scene.textures[0].type, "image/png");
+  EXPECT_EQ(to_base64({reinterpret_cast<const std::uint8_t*>(scene.textures[0].data.data()), scene.textures[0].data.size()}), pixel);
+  EXPECT_EQ(scene.uvs, (std::vector<float>{0.25F, 0.5F, 1, 0, 0, 0.75F})) << "from the top left corner, as in glTF";
+  // the inverse transpose of diag(2, 1, -1) turns (0.6, 0, 0.8) to (0.3, 0, -0.8); y of the file is our z, z is our x, x is our y
+  EXPECT_NEAR(norm(scene.normals[0] - normalized(Vec3{-0.8, 0.3, 0})), 0, 1e-6);
+  EXPECT_NEAR(norm(scene.normals[2] - Vec3{-1, 0, 0}), 0, 1e-6);
+}
+
+TEST(MeshScene, TransformsOfTexturesAreInTheirCoordinates) {
+  const MeshScene scene =
+      read(textured_gltf(R"({"uri": "data:image/png;base64,)" + pixel + R"("})",
+                         R"(, "extensions": {"KHR_texture_transform": {"offset": [0.1, 0.2], "scale": [2, 3], "rotation": 0.5}})"),
+           "a.gltf");
+  ASSERT_EQ(scene.uvs.size(), 6U);
+  const float plain[] = {0.25F, 0.5F, 1, 0, 0, 0.75F};
+  for (std::size_t v = 0; v < 3; ++v) {
+    const double x = 2 * static_cast<double>(plain[2 * v]), y = 3 * static_cast<double>(plain[2 * v + 1]);
+    EXPECT_NEAR(static_cast<double>(scene.uvs[2 * v]), std::cos(0.5) * x + std::sin(0.5) * y + 0.1, 1e-5) << v;
+    EXPECT_NEAR(static_cast<double>(scene.uvs[2 * v + 1]), -std::sin(0.5) * x + std::cos(0.5) * y + 0.2, 1e-5) << v;
+  }
+}
+
+TEST(MeshScene, TexturesBesideTheFileAreReadOrReported) {
+  const std::string text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl wood\nf 1/1 2/2 3/3\n";
+  const auto options = [](bool with_picture) {
+    return MeshOptions{.companions = [with_picture](std::string_view name) -> Result<std::vector<std::byte>> {
+      if (name == "a.mtl") {
+        const auto bytes = bytes_of("newmtl wood\nKd 0.8 0.8 0.8\nmap_Kd textures/wood.png\n");
+        return std::vector<std::byte>(bytes.begin(), bytes.end());
+      }
+      if (name != "wood.png" || !with_picture) return fail(ErrorCode::io, std::string(name), "missing");
+      const std::vector<std::uint8_t> bytes = from_base64(pixel).value();
+      const auto* data = reinterpret_cast<const std::byte*>(bytes.data());
+      return std::vector<std::byte>(data, data + bytes.size());
+    }};
+  };
+  formats::ReadNotes notes;
+  const MeshScene scene = read(text, "a.obj", options(true), &notes);
+  EXPECT_EQ(scene.parts.at(0).texture, 0);
+  EXPECT_EQ(scene.parts.at(0).tint, "#ffffff") << "the picture replaces the grey of the material";
+  EXPECT_EQ(scene.parts.at(0).color, "#cccccc");
+  EXPECT_EQ(scene.uvs, (std::vector<float>{0, 1, 1, 1, 0, 0}));
+  for (const std::string& r : notes.remarks) EXPECT_EQ(r.find("texture"), std::string::npos) << r;
+  notes = {};
+  const MeshScene bare = read(text, "a.obj", options(false), &notes);
+  EXPECT_EQ(bare.parts.at(0).texture, -1);
+  EXPECT_EQ(bare.parts.at(0).tint, "#cccccc");
+  EXPECT_NE(notes.remarks.back().find("wood.png"), std::string::npos) << notes.remarks.back();
+}
+
 TEST(MeshScene, ColladaHasUnitAndUpAxis) {
   const auto text = [](const std::string& up, const std::string& color) {
     return R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit name="inch" meter="0.0254"/><up_axis>)" +

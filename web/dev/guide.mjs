@@ -5,6 +5,7 @@ import { fileURLToPath } from 'node:url';
 import { launch, ready } from '../e2e/browser.mjs';
 import { leg_swing_bvh } from '../e2e/library.mjs';
 import { add_table } from '../e2e/props.mjs';
+import { textured_crate } from '../e2e/made_files.mjs';
 import { skinned_person } from '../e2e/skinned_file.mjs';
 import { start_service } from '../e2e/service.mjs';
 
@@ -121,6 +122,26 @@ try {
       await page.keyboard.press('Control+z');
       await page.waitForTimeout(300);
     }
+    await page.keyboard.press('a');
+    await page.waitForTimeout(1000);
+  }
+
+  if (wanted.length === 0 || wanted.includes('textured-prop')) {
+    await add_table(page, [{ name: 'crate.glb', mimeType: 'application/octet-stream', buffer: textured_crate() }]);
+    await page.getByRole('button', { name: 'Add as a prop' }).click();
+    await page.locator('.inspector').getByLabel('Collides as').waitFor();
+    for (const [label, value] of [['X', 1.2], ['Y', 1.5], ['Heading', 25]]) await page.locator('.inspector').getByLabel(label, { exact: true }).fill(String(value)).then(() => page.keyboard.press('Enter')).then(() => page.waitForTimeout(400));
+    await page.getByRole('tab', { name: 'Look', exact: true }).click();
+    await page.getByLabel('Pattern').selectOption('boards');
+    await blur();
+    await page.keyboard.press('f');
+    await page.waitForTimeout(2500);
+    await picture('textured-prop');
+    while (await page.evaluate('window.ugoki.document().characters.some((c) => c.prop)')) {
+      await page.keyboard.press('Control+z');
+      await page.waitForTimeout(300);
+    }
+    await page.getByRole('tab', { name: 'Inspector', exact: true }).click();
     await page.keyboard.press('a');
     await page.waitForTimeout(1000);
   }

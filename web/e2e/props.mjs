@@ -1,7 +1,10 @@
 // A journey: props are added by mouse, changed in the inspector, moved in the viewport, simulated, and undone.
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { blur, camera_rests, document_of, set_mode, text_of, toggle_theme, undo_to, until } from './browser.mjs';
+import { png, textured_crate } from './made_files.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service makes no props';
@@ -112,6 +115,97 @@ export const prop_journeys = [
       assert.ok(Math.abs(height - 0.9) < 0.005, `the box lies on the table: its bottom is at ${height} m`);
       await page.screenshot({ path: `${pictures}mesh-prop-simulated.png` });
       await set_mode(page, 'Edit');
+      await undo_to(page, before);
+    },
+  },
+  {
+    name: 'mesh props: a crate with a texture shows it, falls and turns with it; an OBJ file finds its picture; exports contain textures; all is undone',
+    async run({ page, service }) {
+      await set_mode(page, 'Edit');
+      await page.keyboard.press('Escape');
+      const before = await text_of(page);
+      const dialog = page.getByRole('dialog', { name: 'Import' });
+      const props = async () => (await document_of(page)).characters.filter((c) => c.prop);
+      const set = async (label, value, done) => {
+        const field = page.locator('.inspector').getByLabel(label, { exact: true });
+        await field.fill(String(value));
+        await field.press('Enter');
+        await until(page, done, `${label} = ${value}`);
+      };
+      await add_table(page, [{ name: 'crate.glb', mimeType: 'application/octet-stream', buffer: textured_crate() }]);
+      await dialog.getByRole('button', { name: 'Add as a prop' }).waitFor();
+      await until(page, async () => (await hook(page, 'import_view()?.pictures ?? 0')) > 2, 'the preview').catch(() => undefined);
+      await page.waitForTimeout(600);
+      assert.match(await dialog.innerText(), /The surface has 1 texture of [\d.]+ KB/);
+      await page.screenshot({ path: `${pictures}textured-import.png` });
+      await dialog.getByRole('button', { name: 'Add as a prop' }).click();
+      const crate = (await until(page, async () => (await props()).find((c) => c.prop.shape === 'mesh'), 'the crate')).id;
+      const prop = async () => (await props()).find((c) => c.id === crate);
+      await page.locator('.inspector h3', { hasText: 'Prop' }).waitFor();
+      await set('X', 1.6, async () => (await prop()).place.x === 1.6);
+      await set('Y', 1.4, async () => (await prop()).place.y === 1.4);
+      await set('Heading', 25, async () => Math.abs((await prop()).place.heading - 25) < 1e-6);
+      assert.match(await page.locator('.inspector').innerText(), /Drawn with the textures of its file/);
+      await blur(page);
+      await page.keyboard.press('0');
+      await page.keyboard.press('f');
+      await camera_rests(page);
+      const box = await page.locator('.viewport canvas').first().boundingBox();
+      const shot = async (name) => {
+        await page.waitForTimeout(900);
+        return page.screenshot({ path: `${pictures}${name}.png`, clip: box });
+      };
+      const textured = await shot('textured-prop');
+      await page.getByRole('tab', { name: 'Look', exact: true }).click();
+      const shown = page.getByRole('group', { name: 'Shown' });
+      await shown.getByRole('button', { name: 'Colours' }).click();
+      await until(page, async () => (await prop()).shown === 'body', 'the colours');
+      assert.notEqual(Buffer.compare(await shot('textured-prop-colours'), textured), 0, 'the colours give the same picture as the textures');
+      await shown.getByRole('button', { name: 'Textures' }).click();
+      await until(page, async () => ((await prop()).shown ?? 'skin') === 'skin', 'the textures');
+      await page.screenshot({ path: `${pictures}textured-look.png` });
+      await page.getByRole('tab', { name: 'Inspector', exact: true }).click();
+
+      // scaled unevenly, tilted, with a mass: it falls on its edge and turns over
+      await set('Scale X', 1.4, async () => (await prop()).prop.scale[0] === 1.4);
+      await set('Tilt Y', 30, async () => (await prop()).prop.tilt?.[1] === 30);
+      await set('Z', 0.9, async () => (await prop()).place.z === 0.9);
+      await page.locator('.inspector').getByRole('switch', { name: 'Moves' }).or(page.locator('.inspector').getByLabel('Moves')).first().click();
+      await until(page, async () => (await prop()).prop.mass > 0, 'a mass');
+      await shot('textured-prop-tilted');
+      await simulate_second(page);
+      await shot('textured-prop-simulated');
+      await set_mode(page, 'Edit');
+
+      // an OBJ file beside its materials and its picture
+      const obj = ['mtllib sign.mtl', 'usemtl paint', 'v -0.4 0 0', 'v 0.4 0 0', 'v 0.4 0.8 0', 'v -0.4 0.8 0', 'v -0.4 0 -0.03', 'v 0.4 0 -0.03', 'v 0.4 0.8 -0.03', 'v -0.4 0.8 -0.03', 'vt 0 0', 'vt 1 0', 'vt 1 1', 'vt 0 1',
+        'f 1/1 2/2 3/3 4/4', 'f 6/1 5/2 8/3 7/4', 'f 2/1 6/1 7/1 3/1', 'f 5/1 1/1 4/1 8/1', 'f 4/1 3/1 7/1 8/1', 'f 5/1 6/1 2/1 1/1'].join('\n');
+      const picture = png(64, 64, (x, y) => { const r = Math.hypot(x - 31.5, y - 31.5); return r > 29 ? [240, 240, 240] : r > 20 ? [200, 40, 40] : Math.abs(y - 31.5) < 5 ? [30, 30, 30] : [246, 246, 246]; });
+      const file = (name, content) => ({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(content) });
+      await add_table(page, [file('sign.obj', obj), file('sign.mtl', 'newmtl paint\nKd 0.8 0.8 0.8\nmap_Kd maps/sign.png\n'), file('sign.png', picture)]);
+      await dialog.getByRole('button', { name: 'Add as a prop' }).waitFor();
+      assert.match(await dialog.innerText(), /The surface has 1 texture/);
+      await dialog.getByRole('button', { name: 'Add as a prop' }).click();
+      const sign = (await until(page, async () => (await props()).find((c) => c.id !== crate && c.prop.shape === 'mesh'), 'the sign')).id;
+      await page.locator('.inspector h3', { hasText: 'Prop' }).waitFor();
+      await page.waitForTimeout(500);
+      await blur(page);
+      await page.keyboard.press('f');
+      await camera_rests(page);
+      await shot('textured-sign');
+      assert.ok(sign);
+
+      // executable data and glTF contain the pictures
+      await page.keyboard.press('Control+s');
+      const out = join(service.folder, 'textures');
+      await until(page, () => {
+        const baked = service.run(['export', join(service.folder, 'sample.ugoki'), '--ugx', `${out}.ugx`, '--glb', `${out}.glb`]);
+        if (baked.status !== 0) throw new Error(baked.stderr + baked.stdout);
+        const scene = readFileSync(`${out}.glb`);
+        const length = scene.readUInt32LE(12);
+        const { images = [] } = JSON.parse(scene.subarray(20, 20 + length).toString());
+        return images.length >= 2 && readFileSync(`${out}.ugx`).includes('image/png');
+      }, 'exports with both textures');
       await undo_to(page, before);
     },
   },

@@ -1,5 +1,5 @@
 // Makes a character file: a person with a skin of boxes, whose halves follow two joints, with a striped texture, and two seconds of motion.
-import { crc32, deflateSync } from 'node:zlib';
+import { Glb, png } from './made_files.mjs';
 
 // name, parent, place in the world at rest (m, Y up, Z forward), end of the bone, half width of its box
 const bones = [
@@ -23,25 +23,6 @@ const index_of = new Map(bones.map(([name], i) => [name, i]));
 const sub = (a, b) => a.map((x, k) => x - b[k]);
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const unit = (a) => a.map((x) => x / Math.hypot(...a));
-
-/** A PNG picture. @param color r g b of a pixel, 0 ... 255 */
-function png(width, height, color) {
-  const rows = Buffer.alloc(height * (1 + 3 * width));
-  for (let y = 0; y < height; y++) for (let x = 0; x < width; x++) rows.set(color(x, y), y * (1 + 3 * width) + 1 + 3 * x);
-  const chunk = (type, data) => {
-    const body = Buffer.concat([Buffer.from(type), data]);
-    const out = Buffer.alloc(body.length + 8);
-    out.writeUInt32BE(data.length, 0);
-    body.copy(out, 4);
-    out.writeUInt32BE(crc32(body), body.length + 4);
-    return out;
-  };
-  const head = Buffer.alloc(13);
-  head.writeUInt32BE(width, 0);
-  head.writeUInt32BE(height, 4);
-  head.set([8, 2, 0, 0, 0], 8);
-  return Buffer.concat([Buffer.from([0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10]), chunk('IHDR', head), chunk('IDAT', deflateSync(rows)), chunk('IEND', Buffer.alloc(0))]);
-}
 
 /** The vertices of a box around each bone. */
 function surface() {
@@ -71,22 +52,9 @@ function surface() {
 
 /** The GLB file: arms swing, knees bend a little. */
 export function skinned_person() {
-  const bytes = [];
-  const root = { asset: { version: '2.0' }, scene: 0, bufferViews: [], accessors: [] };
-  let length = 0;
-  const view = (data) => {
-    bytes.push(data, Buffer.alloc((4 - (data.length % 4)) % 4));
-    root.bufferViews.push({ buffer: 0, byteOffset: length, byteLength: data.length });
-    length += data.length + ((4 - (data.length % 4)) % 4);
-    return root.bufferViews.length - 1;
-  };
-  const add = (values, width, type, componentType, of) => {
-    const list = new of(values);
-    const bounds = type === 'VEC3' || type === 'SCALAR' ? { min: Array.from({ length: width }, (_, k) => Math.min(...values.filter((_, i) => i % width === k))), max: Array.from({ length: width }, (_, k) => Math.max(...values.filter((_, i) => i % width === k))) } : {};
-    root.accessors.push({ bufferView: view(Buffer.from(list.buffer)), componentType, count: values.length / width, type, ...bounds });
-    return root.accessors.length - 1;
-  };
-  const floats = (values, width, type) => add(values, width, type, 5126, Float32Array);
+  const glb = new Glb();
+  const { root } = glb;
+  const [view, add, floats] = [glb.view, glb.add, glb.floats].map((f) => f.bind(glb));
   const s = surface();
   const stripes = png(64, 64, (x, y) => (((x >> 3) + (y >> 3)) % 2 ? [236, 196, 120] : [52, 96, 130]));
   root.images = [{ bufferView: view(stripes), mimeType: 'image/png' }];
@@ -115,14 +83,5 @@ export function skinned_person() {
     root.animations[0].samplers.push({ input, output: floats(values, 4, 'VEC4') });
     root.animations[0].channels.push({ sampler: root.animations[0].samplers.length - 1, target: { node: index_of.get(name), path: 'rotation' } });
   }
-  root.buffers = [{ byteLength: length }];
-  let json = Buffer.from(JSON.stringify(root));
-  json = Buffer.concat([json, Buffer.alloc((4 - (json.length % 4)) % 4, 0x20)]);
-  const head = Buffer.alloc(20);
-  head.write('glTF');
-  [2, 28 + json.length + length, json.length, 0x4e4f534a].forEach((n, i) => head.writeUInt32LE(n, 4 + 4 * i));
-  const chunk = Buffer.alloc(8);
-  chunk.writeUInt32LE(length, 0);
-  chunk.writeUInt32LE(0x004e4942, 4);
-  return Buffer.concat([head, json, chunk, ...bytes]);
+  return glb.file();
 }

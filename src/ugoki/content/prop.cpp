@@ -68,6 +68,11 @@ std::vector<Shape> shapes_of(const Prop& p) {
 
 Vec3 stretched(const Vec3& p, const Vec3& scale) { return {p.x * scale.x, p.y * scale.y, p.z * scale.z}; }
 
+/// diag(scale) A.
+Mat3 scaled_rows(const Mat3& A, const Vec3& scale) {
+  return Mat3::columns(stretched(A.column(0), scale), stretched(A.column(1), scale), stretched(A.column(2), scale));
+}
+
 /// The geometry with its lengths multiplied by `scale`, with its hull. Its sphere tree is made again when it is needed.
 GeometryPtr stretched(const GeometryPtr& geometry, const Vec3& scale) {
   if (scale == Vec3{1, 1, 1}) return geometry;
@@ -224,6 +229,11 @@ MechanismPtr make_prop(const Prop& p, const MechanismPtr& mesh) {
   MechanismSpec spec;
   spec.name = mesh ? mesh->name() : std::string(name_of(p.shape));
   spec.links.push_back(std::move(link));
+  if (mesh && mesh->skin()) {
+    spec.skin = mesh->skin();
+    for (const SkinBone& bone : mesh->skin_bones())
+      spec.skin_bones.push_back({"body", R * scaled_rows(bone.A, p.scale), R * stretched(bone.p, p.scale)});
+  }
   return Mechanism::make(std::move(spec)).value();
 }
 

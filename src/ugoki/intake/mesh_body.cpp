@@ -7,6 +7,7 @@
 
 #include "ugoki/base/number.h"
 #include "ugoki/geometry/prepare.h"
+#include "ugoki/intake/mesh_skin.h"
 #include "ugoki/mechanism_edit/mesh_inertia.h"
 
 namespace ugoki::intake {
@@ -136,6 +137,8 @@ Result<MeshBody> make_mesh_body(const scene_formats::MeshScene& scene, const std
   MechanismSpec spec;
   spec.name = name;
   spec.links.push_back(std::move(link));
+  spec.skin = make_mesh_skin(scene, vertices, location, out.checks);
+  if (spec.skin) spec.skin_bones = {{"body", Mat3::identity(), {}}};
   Result<MechanismPtr> mechanism = Mechanism::make(std::move(spec));
   if (!mechanism) return fail(std::move(mechanism.error()));
   out.mechanism = std::move(*mechanism);

@@ -15,7 +15,8 @@ inline constexpr std::size_t max_hull_parts = 256;  ///< a mesh with more connec
 
 /// A mesh body with what the user should know about it.
 struct MeshBody {
-  MechanismPtr mechanism;           ///< content::is_mesh_body(); its mass is that of its volume at 1000 kg/m^3
+  /// content::is_mesh_body(); its mass is that of its volume at 1000 kg/m^3. With textures, the surface is also its skin.
+  MechanismPtr mechanism;
   std::vector<std::string> colors;  ///< [visible shapes] "#rrggbb"; empty: the file gives none
   Vec3 size;                        ///< m, of the box around it
   double volume = 0;                ///< m^3, of the surface; of the convex hull if the surface is open

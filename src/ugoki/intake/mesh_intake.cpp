@@ -16,18 +16,27 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string mesh_summary(const MeshBody& body, const std::string& source) {
-  const Json summary = {{"dofs", body.mechanism->nv()},
-                        {"links", body.mechanism->link_count()},
-                        {"mass", body.mechanism->mass()},
-                        {"source", source},
-                        {"mesh",
-                         {{"colors", body.colors},
-                          {"size", {body.size.x, body.size.y, body.size.z}},
-                          {"volume", body.volume},
-                          {"closed", body.closed},
-                          {"triangles", body.triangles},
-                          {"parts", body.parts}}}};
+  Json summary = {{"dofs", body.mechanism->nv()},
+                  {"links", body.mechanism->link_count()},
+                  {"mass", body.mechanism->mass()},
+                  {"source", source},
+                  {"mesh",
+                   {{"colors", body.colors},
+                    {"size", {body.size.x, body.size.y, body.size.z}},
+                    {"volume", body.volume},
+                    {"closed", body.closed},
+                    {"triangles", body.triangles},
+                    {"parts", body.parts}}}};
+  if (body.mechanism->skin()) summary["skin"] = {{"bytes", bytes_of(*body.mechanism->skin())}};
   return summary.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string describe_textures(const Skin& skin) {
+  std::size_t bytes = 0;
+  for (const SkinTexture& t : skin.textures) bytes += t.data.size();
+  const double kilobytes = static_cast<double>(bytes) / 1024;
+  return "The surface has " + std::to_string(skin.textures.size()) + (skin.textures.size() == 1 ? " texture of " : " textures of ") +
+         (kilobytes < 1000 ? to_fixed(kilobytes, 1) + " KB." : to_fixed(kilobytes / 1024, 1) + " MB.");
 }
 
 void describe_mesh(const MeshBody& body, const formats::ReadNotes& notes, Intake& out) {
@@ -36,6 +45,7 @@ void describe_mesh(const MeshBody& body, const formats::ReadNotes& notes, Intake
                         to_fixed(body.size.x, 2) + " x " + to_fixed(body.size.y, 2) + " x " + to_fixed(body.size.z, 2) + " m.");
   const std::string volume = body.volume < 0.1 ? to_fixed(1000 * body.volume, 3) + " litres." : to_fixed(body.volume, 3) + " m3.";
   if (body.closed) report.read.push_back("The surface is closed; its volume is " + volume);
+  if (body.mechanism->skin()) report.read.push_back(describe_textures(*body.mechanism->skin()));
   report.add_remarks(notes.remarks);
   report.changed.insert(report.changed.end(), body.changed.begin(), body.changed.end());
   report.check.insert(report.check.end(), body.checks.begin(), body.checks.end());
@@ -93,6 +103,7 @@ Result<Intake> take_in_mesh(std::string_view bytes, std::string_view file_name, 
   if (out.axes != read_as) {
     const Mat3 R = rotation_to_ours(out.axes) * rotation_to_ours(read_as).transposed();
     for (Vec3& p : scene->vertices) p = R * p;
+    for (Vec3& n : scene->normals) n = R * n;
   }
   const std::string name = options.name.empty() ? formats::stem_of(out.source) : options.name;
   Result<MeshBody> body = make_mesh_body(*scene, name, file_name);

@@ -16,6 +16,7 @@
 #include <cstring>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "ugoki/formats/text.h"
@@ -27,8 +28,10 @@ namespace ugoki::scene_formats {
 namespace {
 
 constexpr std::size_t max_nodes = 100'000;
-constexpr std::size_t max_parts = 64;   // colours; triangles of further colours get none
-constexpr double max_coordinate = 1e6;  // m
+constexpr std::size_t max_parts = 64;    // materials; triangles of further materials get no colour
+constexpr double usual_cutoff = 0.5;     // alpha below which nothing is drawn, as in glTF
+constexpr double blended_cutoff = 0.35;  // alpha; without sorting, a cut-off looks better than blending
+constexpr double max_coordinate = 1e6;   // m
 constexpr const char* again = "Export the mesh again.";
 
 std::string ending_of(std::string_view file_name) {
@@ -126,9 +129,10 @@ class MeshParser {
         options_(options),
         up_(collada_up),
         missing_(missing),
-        notes_(notes) {}
+        notes_(notes),
+        textures_(scene) {}
 
-  Result<MeshScene> parse() {
+  Result<ParsedMesh> parse() {
     if (!scene_.mRootNode) return refuse(ErrorCode::structure, "The file has no nodes.");
     if (!missing_.empty())
       notes_.remarks.push_back("The file " + formats::in_quotes(missing_.front()) +
@@ -144,7 +148,10 @@ class MeshParser {
       for (unsigned c = 0; c < node->mNumChildren; ++c)
         nodes.emplace_back(node->mChildren[c], X * affine_of(node->mChildren[c]->mTransformation));
     }
-    for (auto& [color, triangles] : by_color_) out_.parts.push_back({color, std::move(triangles)});
+    for (auto& [look, triangles] : by_look_) {
+      const auto& [color, texture, tint, cutoff, both_sides] = look;
+      out_.parts.push_back({color, std::move(triangles), texture, tint, cutoff, both_sides});
+    }
     if (out_.parts.empty())
       return refuse(ErrorCode::structure, "The file has no triangles.", "Export the surface of the object, not only its points or lines.");
     to_metres();
@@ -152,8 +159,7 @@ class MeshParser {
       if (!(std::fabs(p.x) <= max_coordinate && std::fabs(p.y) <= max_coordinate && std::fabs(p.z) <= max_coordinate))
         return refuse(ErrorCode::range, "A coordinate of a vertex is not finite or beyond 1e6 m.",
                       "Check the unit, or export the mesh again.");
-    if (textured_) notes_.remarks.push_back("Textures are left out; the base colours of the materials are shown.");
-    return std::move(out_);
+    return ParsedMesh{std::move(out_), textures_.take()};
   }
 
  private:
@@ -174,25 +180,96 @@ class MeshParser {
     const aiMaterial& material = *scene_.mMaterials[mesh.mMaterialIndex];
     if (aiString name; material.Get(AI_MATKEY_NAME, name) == aiReturn_SUCCESS && std::strcmp(name.C_Str(), AI_DEFAULT_MATERIAL_NAME) == 0)
       return {};
-    for (const aiTextureType type : {aiTextureType_DIFFUSE, aiTextureType_BASE_COLOR})
-      textured_ = textured_ || material.GetTextureCount(type) > 0;
     aiColor4D color;
     if (material.Get(AI_MATKEY_BASE_COLOR, color) != aiReturn_SUCCESS && material.Get(AI_MATKEY_COLOR_DIFFUSE, color) != aiReturn_SUCCESS)
       return {};
     return color_text(color, gltf);
   }
 
+  /// Colour, texture, colour that is multiplied with the texture, alpha cutoff, and whether both sides are drawn.
+  using Look = std::tuple<std::string, int, std::string, double, bool>;
+
+  Look look_of(const aiMesh& mesh, std::string color) {
+    const std::string white = "#ffffff";
+    if (mesh.mMaterialIndex >= scene_.mNumMaterials || !missing_.empty() || !mesh.HasTextureCoords(uv_set_of(scene_, mesh)))
+      return {color, -1, white, 0, false};
+    const aiMaterial& material = *scene_.mMaterials[mesh.mMaterialIndex];
+    const std::string path = color_texture_of(material);
+    if (path.empty()) return {color, -1, white, 0, false};
+    // a texture replaces the colour of the other formats, whose programs often write a grey beside it
+    const bool gltf = ending_ == "glb" || ending_ == "gltf";
+    double cutoff = 0;
+    aiString mode, opacity;
+    if (gltf && material.Get("$mat.gltf.alphaMode", 0, 0, mode) == aiReturn_SUCCESS) {
+      if (std::strcmp(mode.C_Str(), "BLEND") == 0) cutoff = blended_cutoff;
+      if (std::strcmp(mode.C_Str(), "MASK") == 0) {
+        ai_real given = usual_cutoff;
+        (void)material.Get("$mat.gltf.alphaCutoff", 0, 0, given);
+        cutoff = given >= 0 && given <= 1 ? static_cast<double>(given) : usual_cutoff;
+      }
+    } else if (material.GetTexture(aiTextureType_OPACITY, 0, &opacity) == aiReturn_SUCCESS) {
+      cutoff = blended_cutoff;
+    }
+    int both = 0;
+    const bool both_sides = material.Get(AI_MATKEY_TWOSIDED, both) == aiReturn_SUCCESS && both != 0;
+    const std::string tint = gltf && !color.empty() ? color : white;
+    return {std::move(color), textures_.index_of(path), tint, cutoff, both_sides};
+  }
+
+  /// Transform of texture coordinates (KHR_texture_transform): offset + R(rotation) scale uv, with (0, 0) at the top left corner.
+  struct UvTransform {
+    double offset[2] = {0, 0}, scale[2] = {1, 1}, c = 1, s = 0;  ///< c, s: cosine and sine of the rotation
+  };
+
+  /// The transform of the picture that a mesh of a glTF file shows. assimp stores it about the centre of the picture, with (0, 0) at the
+  /// lower left corner; the terms of its importer (glTF2Importer.cpp) are subtracted.
+  [[nodiscard]] UvTransform uv_transform_of(const aiMesh& mesh) const {
+    UvTransform out;
+    aiUVTransform t;
+    if ((ending_ != "glb" && ending_ != "gltf") || mesh.mMaterialIndex >= scene_.mNumMaterials ||
+        scene_.mMaterials[mesh.mMaterialIndex]->Get(AI_MATKEY_UVTRANSFORM(aiTextureType_BASE_COLOR, 0), t) != aiReturn_SUCCESS)
+      return out;
+    const double rotation = -static_cast<double>(t.mRotation), sx = static_cast<double>(t.mScaling.x),
+                 sy = static_cast<double>(t.mScaling.y);
+    out.scale[0] = sx;
+    out.scale[1] = sy;
+    out.c = std::cos(rotation);
+    out.s = std::sin(rotation);
+    out.offset[0] = static_cast<double>(t.mTranslation.x) - 0.5 * sx * (1 - out.c + out.s);
+    out.offset[1] = 1 - sy - (static_cast<double>(t.mTranslation.y) - 0.5 * sy * (out.s + out.c - 1));
+    return out;
+  }
+
+  /// Appends the vertices of a mesh with their normals and texture coordinates.
+  void add_vertices(const aiMesh& mesh, const Affine& X) {
+    const double side = X.M.determinant() < 0 ? -1 : 1;
+    const Vec3 a = X.M.column(0), b = X.M.column(1), c = X.M.column(2);
+    const Mat3 N = Mat3::columns(cross(b, c) * side, cross(c, a) * side, cross(a, b) * side);  // M^-T times |det M|: turns normals
+    const unsigned set = uv_set_of(scene_, mesh);
+    const UvTransform turn = uv_transform_of(mesh);
+    const auto vector = [](const aiVector3D& v) {
+      return Vec3{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+    };
+    for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
+      out_.vertices.push_back(X.M * vector(mesh.mVertices[v]) + X.p);
+      const Vec3 n = mesh.HasNormals() ? N * vector(mesh.mNormals[v]) : Vec3{};
+      out_.normals.push_back(is_finite(n) ? normalized(n, {}) : Vec3{});
+      const aiVector3D uv = mesh.HasTextureCoords(set) ? mesh.mTextureCoords[set][v] : aiVector3D();
+      // assimp counts from the lower left corner of the picture, for all formats
+      const double x = turn.scale[0] * static_cast<double>(uv.x), y = turn.scale[1] * (1 - static_cast<double>(uv.y));
+      for (const double w : {turn.offset[0] + turn.c * x + turn.s * y, turn.offset[1] - turn.s * x + turn.c * y})
+        out_.uvs.push_back(std::isfinite(w) ? static_cast<float>(w) : 0.0F);
+    }
+  }
+
   bool add(const aiMesh& mesh, const Affine& X) {
     out_.skinned = out_.skinned || mesh.mNumBones > 0;
-    std::string color = color_of(mesh);
-    if (!by_color_.contains(color) && by_color_.size() >= max_parts) color.clear();
-    std::vector<Triangle>& triangles = by_color_[color];
+    Look look = look_of(mesh, color_of(mesh));
+    if (!by_look_.contains(look) && by_look_.size() >= max_parts) look = {"", -1, "#ffffff", 0, false};
+    std::vector<Triangle>& triangles = by_look_[look];
     const auto first = static_cast<std::int64_t>(out_.vertices.size());
     const bool mirrored = X.M.determinant() < 0;
-    for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
-      const aiVector3D& p = mesh.mVertices[v];
-      out_.vertices.push_back(X.M * Vec3{static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)} + X.p);
-    }
+    add_vertices(mesh, X);
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace& face = mesh.mFaces[f];
       if (face.mNumIndices != 3) continue;  // points and lines
@@ -206,7 +283,7 @@ class MeshParser {
       triangles.push_back(t);
     }
     count_ += triangles.size() > 0 ? mesh.mNumFaces : 0;
-    if (triangles.empty()) by_color_.erase(color);
+    if (triangles.empty()) by_look_.erase(look);
     if (count_ > max_triangles || out_.vertices.size() > 3 * max_triangles)
       return wrong(ErrorCode::range, "The mesh has more than " + std::to_string(max_triangles / 1'000'000) + " million triangles.",
                    "Reduce it in a modelling program; 10,000 triangles are enough for most props.");
@@ -249,6 +326,7 @@ class MeshParser {
     notes_.z_up = up == 2;
     const Mat3 R = axes_with_up(up);
     for (Vec3& p : out_.vertices) p = R * p * metres;
+    for (Vec3& n : out_.normals) n = R * n;
   }
 
   const aiScene& scene_;
@@ -258,9 +336,9 @@ class MeshParser {
   const std::vector<std::string>& missing_;
   formats::ReadNotes& notes_;
   MeshScene out_;
-  std::map<std::string, std::vector<Triangle>> by_color_;
+  std::map<Look, std::vector<Triangle>> by_look_;
+  SceneTextures textures_;
   std::size_t count_ = 0;
-  bool textured_ = false;
   Error error_;
 };
 
@@ -271,8 +349,8 @@ bool is_mesh_file(std::string_view file_name) {
   return ending == "glb" || ending == "gltf" || ending == "obj" || ending == "stl" || ending == "ply" || ending == "dae" || ending == "fbx";
 }
 
-Result<MeshScene> parse_mesh_scene(std::span<const std::byte> bytes, std::string_view file_name, const MeshOptions& options,
-                                   formats::ReadNotes& notes) {
+Result<ParsedMesh> parse_mesh_scene(std::span<const std::byte> bytes, std::string_view file_name, const MeshOptions& options,
+                                    formats::ReadNotes& notes) {
   const std::string location(file_name), ending = ending_of(file_name);
   if (!is_mesh_file(file_name))
     return fail(ErrorCode::unsupported, location, "Mesh files of this type cannot be read.",

@@ -1,5 +1,6 @@
 #pragma once
-// Reads the triangles and material colours of mesh files: glTF, OBJ, STL, PLY, COLLADA, FBX. docs/formats.md lists what is read.
+// Reads the triangles, material colours and colour textures of mesh files: glTF, OBJ, STL, PLY, COLLADA, FBX. docs/formats.md lists what is
+// read.
 
 #include <cstddef>
 #include <functional>
@@ -11,24 +12,32 @@
 #include "ugoki/base/result.h"
 #include "ugoki/formats/read_notes.h"
 #include "ugoki/mechanism/geometry.h"
+#include "ugoki/mechanism/skin.h"
 
 namespace ugoki::scene_formats {
 
-/// The triangles of one colour.
+/// The triangles of one material.
 struct MeshPart {
   std::string color;                ///< "#rrggbb", base colour of the material; empty: the file gives none
   std::vector<Triangle> triangles;  ///< indices into MeshScene::vertices, counter-clockwise seen from outside
+  int texture = -1;                 ///< index in MeshScene::textures; -1: none
+  std::string tint = "#ffffff";     ///< "#rrggbb", multiplied with the texture
+  double cutoff = 0;                ///< 0 ... 1: where the texture's alpha is below, nothing is drawn
+  bool both_sides = false;          ///< also triangles that are seen from behind are drawn
 };
 
 /// All meshes of a file in one frame: metres, Z up.
 struct MeshScene {
   std::vector<Vec3> vertices;  ///< m; neighbouring triangles may have vertices of their own at the same place
+  std::vector<Vec3> normals;   ///< [vertices] unit vectors; zero: the file gives none
+  std::vector<float> uvs;      ///< [vertices][2] of the textures; (0, 0) is the top left corner of the picture
+  std::vector<SkinTexture> textures;
   std::vector<MeshPart> parts;
   bool skinned = false;   ///< a mesh is bound to bones
   bool animated = false;  ///< the file has animations
 };
 
-/// Returns the bytes of a file to which the mesh file refers (buffers of .gltf, materials of .obj), by its name without folders.
+/// Returns the bytes of a file to which the mesh file refers (buffers of .gltf, materials of .obj, textures), by its name without folders.
 using MeshCompanions = std::function<Result<std::vector<std::byte>>(std::string_view name)>;
 
 struct MeshOptions {

@@ -32,7 +32,7 @@ formats::FileBone bone_of(const NodePlace& place, const aiMatrix4x4& m) {
 class MeshCollector {
  public:
   MeshCollector(const aiScene& scene, const NodePlaces& places, const std::string& location)
-      : scene_(scene), places_(places), location_(location) {}
+      : scene_(scene), places_(places), location_(location), textures_(scene) {}
 
   Result<SceneMeshes> collect() {
     std::vector<const aiNode*> nodes;
@@ -43,6 +43,7 @@ class MeshCollector {
         if (!add(*scene_.mMeshes[node.mMeshes[m]], node)) return fail(std::move(error_));
       nodes.insert(nodes.end(), node.mChildren, node.mChildren + node.mNumChildren);
     }
+    out_.textures = textures_.take();
     return std::move(out_);
   }
 
@@ -117,7 +118,7 @@ class MeshCollector {
     }
     add_surface_normals(mesh, base, first);
     SkinPart part = part_of(mesh);
-    const unsigned set = uv_set(mesh);
+    const unsigned set = uv_set_of(scene_, mesh);
     if (!mesh.HasTextureCoords(set)) part.texture = -1;
     for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
       const aiVector3D uv = mesh.HasTextureCoords(set) ? mesh.mTextureCoords[set][v] : aiVector3D();
@@ -149,27 +150,16 @@ class MeshCollector {
     }
   }
 
-  /// Set of texture coordinates of the picture that a mesh shows.
-  [[nodiscard]] unsigned uv_set(const aiMesh& mesh) const {
-    int set = 0;
-    if (mesh.mMaterialIndex < scene_.mNumMaterials)
-      (void)scene_.mMaterials[mesh.mMaterialIndex]->Get(AI_MATKEY_UVWSRC(aiTextureType_DIFFUSE, 0), set);
-    const bool known = set > 0 && set < AI_MAX_NUMBER_OF_TEXTURECOORDS && mesh.HasTextureCoords(static_cast<unsigned>(set));
-    return known ? static_cast<unsigned>(set) : 0;
-  }
-
   /// Colour and texture of a mesh. The colours of these formats are those of sRGB. A texture replaces the colour.
   SkinPart part_of(const aiMesh& mesh) {
     SkinPart part;
     if (mesh.mMaterialIndex >= scene_.mNumMaterials) return part;
     const aiMaterial& material = *scene_.mMaterials[mesh.mMaterialIndex];
-    aiString path, opacity;
-    for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE})
-      if (material.GetTexture(type, 0, &path) == aiReturn_SUCCESS) {
-        part.texture = texture_of(path.C_Str());
-        if (material.GetTexture(aiTextureType_OPACITY, 0, &opacity) == aiReturn_SUCCESS) part.cutoff = cutoff_of_hair;
-        break;
-      }
+    aiString opacity;
+    if (const std::string path = color_texture_of(material); !path.empty()) {
+      part.texture = textures_.index_of(path);
+      if (material.GetTexture(aiTextureType_OPACITY, 0, &opacity) == aiReturn_SUCCESS) part.cutoff = cutoff_of_hair;
+    }
     aiColor4D color(1, 1, 1, 1);
     if (part.texture < 0 && material.Get(AI_MATKEY_BASE_COLOR, color) != aiReturn_SUCCESS)
       (void)material.Get(AI_MATKEY_COLOR_DIFFUSE, color);
@@ -182,26 +172,12 @@ class MeshCollector {
     return part;
   }
 
-  int texture_of(const std::string& path) {
-    const auto [known, is_new] = textures_.try_emplace(path, static_cast<int>(out_.textures.size()));
-    if (!is_new) return known->second;
-    SceneMeshes::Texture texture;
-    const aiTexture* own = scene_.GetEmbeddedTexture(path.c_str());
-    if (own && own->mHeight == 0 && own->pcData) {
-      const auto* data = reinterpret_cast<const std::byte*>(own->pcData);
-      texture.data.assign(data, data + own->mWidth);
-    }
-    if (texture.data.empty()) texture.path = path;
-    out_.textures.push_back(std::move(texture));
-    return known->second;
-  }
-
   const aiScene& scene_;
   const NodePlaces& places_;
   const std::string& location_;
   SceneMeshes out_;
   std::map<std::string, std::uint16_t> bones_;  ///< by name and matrix
-  std::map<std::string, int> textures_;         ///< by the path in the file
+  SceneTextures textures_;
   Error error_;
 };
 

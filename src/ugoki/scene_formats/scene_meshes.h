@@ -8,17 +8,14 @@
 
 #include "ugoki/formats/file_skin.h"
 #include "ugoki/scene_formats/scene_places.h"
+#include "ugoki/scene_formats/scene_textures.h"
 
 namespace ugoki::scene_formats {
 
 /// A skin whose textures are not loaded yet: SkinPart::texture is an index in `textures`.
 struct SceneMeshes {
   formats::FileSkin file;
-  struct Texture {
-    std::string path;             ///< as the file names it; empty: the file contains the picture
-    std::vector<std::byte> data;  ///< empty if `path` is not
-  };
-  std::vector<Texture> textures;
+  std::vector<SceneTexture> textures;
   std::vector<std::string> remarks;  ///< sentences about parts that are left out
 };
 

@@ -51,7 +51,7 @@ std::string text_of(const SceneMeshes& meshes) {
     put_number(out, b.p);
   }
   put_number(out, std::uint64_t{meshes.textures.size()});
-  for (const SceneMeshes::Texture& t : meshes.textures) {
+  for (const SceneTexture& t : meshes.textures) {
     put(out, t.path);
     put_list(out, t.data);
   }
@@ -85,7 +85,7 @@ bool read_text(std::string_view in, SceneMeshes& out) {
   }
   if (!take_number(in, count)) return false;
   for (std::uint64_t i = 0; i < count; ++i) {
-    SceneMeshes::Texture t;
+    SceneTexture t;
     if (!take_text(in, t.path) || !take_list(in, t.data)) return false;
     out.textures.push_back(std::move(t));
   }
@@ -123,36 +123,10 @@ std::string answer_of(std::span<const std::byte> bytes, std::string_view file_na
 }
 
 /// Moves the pictures that can be shown into the skin; the others are reported.
-void load_textures(SceneMeshes& meshes, const formats::GltfFiles& files, formats::ReadNotes& notes) {
-  std::vector<int> place(meshes.textures.size(), -1);
-  std::size_t together = 0;
-  for (std::size_t i = 0; i < meshes.textures.size(); ++i) {
-    auto& [path, data] = meshes.textures[i];
-    const std::string name = path.substr(path.find_last_of("/\\") + 1);
-    if (!path.empty()) {
-      Result<std::vector<std::byte>> found = files ? files(path) : fail(ErrorCode::io, path, "", "");
-      if (!found && files && name != path) found = files(name);  // paths of the machine on which the file was made
-      if (!found) {
-        notes.remarks.push_back("The texture " + formats::in_quotes(name) +
-                                " is not beside the file; choose it together with the character's file to see it.");
-        continue;
-      }
-      data = std::move(*found);
-    }
-    SkinTexture texture;
-    const std::optional<PictureSize> size = picture_size(data, texture.type);
-    if (!size || std::max(size->width, size->height) > max_texture_side || data.size() > max_texture_bytes ||
-        together + data.size() > max_skin_bytes) {
-      notes.remarks.push_back("The texture " + formats::in_quotes(name) + " is left out: textures are PNG or JPEG, with at most " +
-                              std::to_string(max_texture_side) + " pixels a side and " + std::to_string(max_texture_bytes >> 20) + " MB.");
-      continue;
-    }
-    together += data.size();
-    texture.data = std::move(data);
-    place[i] = static_cast<int>(meshes.file.skin.textures.size());
-    meshes.file.skin.textures.push_back(std::move(texture));
-  }
-  for (SkinPart& part : meshes.file.skin.parts)
+void add_textures(SceneMeshes& meshes, const formats::GltfFiles& files, formats::ReadNotes& notes) {
+  Skin& skin = meshes.file.skin;
+  const std::vector<int> place = load_textures(std::move(meshes.textures), files, "the character's file", skin.textures, notes);
+  for (SkinPart& part : skin.parts)
     if (part.texture >= 0) part.texture = place.at(static_cast<std::size_t>(part.texture));
 }
 
@@ -175,7 +149,7 @@ Result<formats::FileSkin> read_scene_skin(std::span<const std::byte> bytes, std:
     return fail(ErrorCode::syntax, location, "The library that reads this format returned an incomplete answer: the meshes are damaged.",
                 "Export the character again.");
   notes.remarks.insert(notes.remarks.end(), meshes.remarks.begin(), meshes.remarks.end());
-  load_textures(meshes, files, notes);
+  add_textures(meshes, files, notes);
   if (meshes.file.skin.indices.empty()) return formats::FileSkin{};
   check_skin(meshes.file.skin, meshes.file.bones.size(), location, error);
   const auto damaged = [](const formats::FileBone& b) {

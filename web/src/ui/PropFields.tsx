@@ -99,8 +99,10 @@ const max_shown_colors = 12;
 function Colors({ character }: { character: Character }): ReactElement {
   const color = character.color ?? '#e6e6ea';
   const own = character.shape_colors ?? [];
+  const textured = useStudio((s) => s.mechanisms[character.mechanism]?.skin !== undefined) && (character.shown ?? 'skin') !== 'body';
   const set = (shape_colors: string[]): void => void session.edit({ type: 'character.set', id: character.id, shape_colors });
   const plain = <ColorField label="Colour" value={color} on_commit={(v) => void session.edit({ type: 'character.set', id: character.id, color: v })} />;
+  if (textured) return <p className="facts">Drawn with the textures of its file. <em>Colours</em> in the tab Look shows the colours of its materials.</p>;
   if (own.length === 0) return plain;
   return (
     <>

@@ -1,4 +1,4 @@
-/** What is drawn over a frame: ghosts, trails, root assist, contacts, closest points, the pull, and the ring under the selected character. */
+/** Draws over a frame: ghosts, trails, root assist, contacts, closest points, the pull, and the ring under the selected character. */
 import * as THREE from 'three';
 import { assist_over_cap, body_weight, centre_of_mass, type CharacterFrame, type Frame } from '../core/frames';
 import { pose_before, type Comparison } from '../core/motion/comparer';

@@ -1,4 +1,4 @@
-/** What moves the view: the first view of a project, the followed character, and the cameras of the document. */
+/** Moves the view: the first view of a project, the followed character, and the cameras of the document. */
 import * as THREE from 'three';
 import { shot_at, view_of, type FilmCamera } from '../core/film';
 import { centre_of_mass, type Frame } from '../core/frames';

@@ -30,11 +30,17 @@ export function LookPanel(): ReactElement {
   );
 }
 
-const shown_titles = {
-  skin: 'Show the skin of the character file',
-  body: 'Show the body that is simulated',
-  both: 'Show the body through the skin',
-};
+/** What of a character with a skin is shown: value, text, title. */
+const shown_choices = [
+  ['skin', 'Skin', 'Show the skin of the character file'],
+  ['body', 'Body', 'Show the body that is simulated'],
+  ['both', 'Both', 'Show the body through the skin'],
+] as const;
+/** The same for a prop, whose skin is its surface with the textures of the file. */
+const shown_of_props = [
+  ['skin', 'Textures', 'Show the textures of the mesh file'],
+  ['body', 'Colours', 'Show the mesh in the colours of its materials'],
+] as const;
 
 function MaterialFields({ character, link }: { character: Character; link: number | undefined }): ReactElement {
   const mechanism = useStudio((s) => s.mechanisms[character.mechanism]);
@@ -89,9 +95,9 @@ function MaterialFields({ character, link }: { character: Character; link: numbe
       )}
       {!part && mechanism?.skin && (
         <div className="segments" role="group" aria-label="Shown">
-          {(['skin', 'body', 'both'] as const).map((shown) => (
-            <button key={shown} type="button" aria-pressed={(character.shown ?? 'skin') === shown} title={shown_titles[shown]} onClick={() => send(set({ shown }))}>
-              {shown[0]!.toUpperCase() + shown.slice(1)}
+          {(character.prop ? shown_of_props : shown_choices).map(([shown, text, title]) => (
+            <button key={shown} type="button" aria-pressed={(character.shown ?? 'skin') === shown} title={title} onClick={() => send(set({ shown }))}>
+              {text}
             </button>
           ))}
         </div>
