@@ -96,6 +96,21 @@ TEST(Rehearse, AKeyedRollBecomesPhysical) {
   EXPECT_LT(after.flight, 0.1) << "body weights";
 }
 
+// From hands and feet to standing: the hands leave the floor when the centre of mass is above the soles.
+TEST(Rehearse, AKeyedGetUpBecomesPhysical) {
+  const MechanismPtr person = samples::make_person(1.75).value();
+  const Motion keys = keyed_get_up(*person);
+  RehearseReport report;
+  const Result<Motion> up = rehearse_motion(person, keys, {.samples = 60, .kept = 10}, &report);
+  ASSERT_TRUE(up) << up.error().text();
+  EXPECT_LT(report.change_deg, 3);
+  EXPECT_LT(report.root_move_cm, 3);
+  EXPECT_GT(up->frame(up->frames - 1)[2], keys.frame(0)[2] + 0.2) << "m: stands";
+  const Forces after = forces_of(person, *up, 0.9);
+  EXPECT_LT(after.friction, 0.03) << "body weights";
+  EXPECT_LT(after.pull, 0.05) << "body weights";
+}
+
 TEST(Rehearse, HasTheSameBitsTwice) {
   const MechanismPtr person = samples::make_person(1.75).value();
   Motion keys = keyed_roll(*person);
