@@ -45,6 +45,16 @@ bool is_lost(const content::PlayerMeasures& m) {
   return m.fell || m.release_time >= 0 || m.tracking_rms_deg > far_deg;
 }
 
+/// A sentence about the time in which the limited root assist did not suffice; empty if it is below a twentieth of the run.
+std::string describe_capped(const CharacterReport& c) {
+  constexpr double few = 0.05;
+  if (!c.tracks || c.capped_share < few || !(c.assist_limit > 0)) return {};
+  return c.name + ": the root assist was at its limit of " + to_text(c.assist_limit) + " body weights in " +
+         to_fixed(100 * c.capped_share, 0) + " % of the time (first at " + to_fixed(c.capped_from, 2) +
+         " s). There the motion accelerates or turns the body more than the ground can, from where the feet touch it: the body lags "
+         "behind.";
+}
+
 /// Applies --rate, --assist-limit (all characters) and --push (the first character that follows a track) to the scenario.
 Result<void> apply_options(content::Scenario& s, const content::Resources& resources, const Options& options) {
   if (options.rate_given) s.step = 1 / options.rate;
@@ -151,6 +161,9 @@ int run_run(const Options& options) {
       simulate(content->ugx, content->name, {options.duration, options.frames, options.inputs, options.steps, options.threads});
   if (!report) return print_error(report.error(), options.json);
   const content::PlayerMeasures worst = report->worst();
+  if (is_lost(worst))
+    for (const CharacterReport& c : report->characters)
+      if (std::string sentence = describe_capped(c); !sentence.empty()) content->checks.push_back(std::move(sentence));
   double mass = 0;
   for (const CharacterReport& c : report->characters)
     if (c.tracks && mass == 0) mass = c.mass;

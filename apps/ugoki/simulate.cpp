@@ -1,6 +1,7 @@
 #include "simulate.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <ctime>
@@ -96,6 +97,7 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
   };
   // naturalness updates its measures about 120 times per second (lsi/execution_circuit.cpp)
   const auto every = static_cast<std::uint64_t>(std::max(1.0, std::floor(1 / (120 * report.step) + 0.5)));
+  std::vector<std::array<double, 3>> capped(content.characters.size(), {0, 0, -1});  // samples, of these at the limit, first time
   std::vector<naturalness::Recorder> recorders(options.over_time ? content.characters.size() : 0);
   catch_interrupt();
   Progress progress("run " + name);
@@ -115,7 +117,16 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
       for (content::PlayerTouch& t : touches)
         if (report.touches.size() < RunReport::max_touches) report.touches.push_back(std::move(t));
       if (done % every == 0)
-        for (std::size_t i = 0; i < recorders.size(); ++i) recorders[i].add(player->measures(static_cast<int>(i)).now);
+        for (std::size_t i = 0; i < capped.size(); ++i) {
+          const content::PlayerMeasures m = player->measures(static_cast<int>(i));
+          if (i < recorders.size()) recorders[i].add(m.now);
+          if (m.release_time >= 0) continue;
+          auto& [samples, full, first] = capped[i];
+          samples += 1;
+          if (m.assist_now_bw < 0.999 * content.characters[i].control.assist_limit) continue;
+          full += 1;
+          if (first < 0) first = player->time();
+        }
     }
     report.wall += std::chrono::duration<double>(Clock::now() - began).count();
     report.processor += processor_time() - processor_began;
@@ -136,6 +147,9 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
                                  player->measures(static_cast<int>(i)),
                                  {},
                                  {}});
+    report.characters.back().capped_share = capped[i][0] > 0 ? capped[i][1] / capped[i][0] : 0;
+    report.characters.back().capped_from = capped[i][2];
+    report.characters.back().assist_limit = c.control.assist_limit;
     if (options.over_time)
       report.characters.back().over_time =
           recorders[i].finish(report.characters.back().measures.totals, c.name, 1 / (static_cast<double>(every) * report.step));

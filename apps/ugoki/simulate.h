@@ -27,6 +27,9 @@ struct CharacterReport {
   content::PlayerMeasures measures;
   std::vector<std::string> links;  ///< names of the character's links
   naturalness::Report over_time;   ///< all measures over time, with RunOptions::over_time
+  double capped_share = 0;         ///< share of the time until the release in which the root assist was at its limit
+  double capped_from = -1;         ///< s, first time at which the root assist was at its limit; -1: never
+  double assist_limit = 0;         ///< body weights
 };
 
 /// Results of a run.

@@ -136,6 +136,35 @@ TEST(AnimalFloor, PawsWithoutAJointBelowTheAnkleReachTheFloor) {
   expect_paws_on_floor(dog);
 }
 
+// The paws are ends without a bone, as in rigs whose paws are targets of inverse kinematics. Those of the fore limbs are 9 cm too high.
+TEST(AnimalFloor, LimbsWhosePawsHaveNoBoneReachTheFloor) {
+  MeasuredMotion dog = standing_dog();
+  const std::size_t n = dog.skeleton.joints.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::string& name = dog.skeleton.joints[i].name;
+    if (name.find("Paw") != std::string::npos) dog.skeleton.joints[i].end_sites.clear();
+    if (!name.starts_with("FrontPaw")) continue;
+    dog.skeleton.joints[i].offset.z += 0.09;
+    for (std::size_t f = 0; f < static_cast<std::size_t>(dog.frames); ++f) dog.translations[f * n + i].z += 0.09;
+  }
+  const auto body = make_body(dog);
+  ASSERT_TRUE(body) << body.error().text();
+  ASSERT_EQ(body->anatomy.plan, "four legs");
+  const Motion motion = to_motion(*body, dog);
+  std::vector<Pose> X(static_cast<std::size_t>(body->mechanism->link_count()));
+  calc_poses(*body->mechanism, {motion.frame(0), static_cast<std::size_t>(motion.nq)}, X);
+  int shanks = 0;
+  for (std::size_t i = 0; i < X.size(); ++i) {
+    const Link& link = body->mechanism->link(static_cast<int>(i));
+    if (!link.name.ends_with("LowerLeg.L") && !link.name.ends_with("LowerLeg.R")) continue;
+    double low = 1e300;
+    for (const SupportPoint& p : support_points(link)) low = std::min(low, (X[i] * p.p).z - p.radius);
+    EXPECT_NEAR(low, 0, 0.02) << link.name;
+    ++shanks;
+  }
+  EXPECT_EQ(shanks, 4);
+}
+
 TEST(AnimalFloor, AnAnimalThatHardlyStandsCountsInAllFrames) {
   std::vector<double> heights(100, 0.1);
   std::fill_n(heights.begin(), 20, 0.5);

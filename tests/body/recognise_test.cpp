@@ -46,7 +46,8 @@ TEST(JointNames, PartsAndSidesOfManyConventions) {
       EXPECT_FALSE(evidence[i].helper) << c.names[i];
     }
   }
-  for (const char* name : {"Bip01 HeadNub", "LeftForeArmTwist", "CC_Base_L_ThighTwist01", "Camera", "LeftToe_End", "Hair_03", "eye.L"}) {
+  for (const char* name :
+       {"Bip01 HeadNub", "LeftForeArmTwist", "CC_Base_L_ThighTwist01", "Camera", "LeftToe_End", "Hair_03", "eye.L", "Controller"}) {
     const std::vector<std::string> one = {name};
     EXPECT_TRUE(read_joint_names(one)[0].helper) << name;
   }

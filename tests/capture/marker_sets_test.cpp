@@ -367,6 +367,33 @@ TEST(MarkerSets, ExchangedSidesAreFoundForEightSets) {
   }
 }
 
+// Gait laboratories often record pelvis and legs only. In a file with left-handed axes, its person is a mirror image.
+TEST(MarkerSets, AMirroredRecordingOfLegsIsNamed) {
+  const Person* person = shared_person();
+  if (person == nullptr) GTEST_SKIP() << "The shared measured data are absent.";
+  const Set legs = {"legs", "<.ASIS <.PSIS <.GTR <.Knee <.HF <.TT <.Ankle <.Heel <.MT1 <.MT5 <.Knee.Medial <.Ankle.Medial <.MT2"};
+  for (const bool mirrored : {false, true}) {
+    MarkerMotion m = record(*person, labels_of(legs), 5);
+    if (mirrored)
+      for (Vec3& p : m.positions) p.x = -p.x;
+    CaptureOptions options;
+    options.correct_labels = true;
+    const auto c = solve_markers(m, options);
+    ASSERT_TRUE(c.has_value()) << c.error().text();
+    EXPECT_TRUE(c->unused.empty());
+    EXPECT_EQ(std::ranges::count_if(c->report, [](const std::string& r) { return r.starts_with("Left and right are exchanged"); }),
+              mirrored ? 1 : 0);
+    const auto joint = [&](const char* name) {
+      const auto& joints = c->measured.skeleton.joints;
+      return static_cast<std::size_t>(std::ranges::find(joints, name, &SkeletonJoint::name) - joints.begin());
+    };
+    std::vector<Pose> X;
+    c->measured.calc_joint_poses(c->measured.frames / 2, X);
+    EXPECT_GT(X[joint("Head")].p.z, X[joint("Hips")].p.z + 0.4);
+    EXPECT_LT(c->rms, 0.012);
+  }
+}
+
 TEST(MarkerSets, UnlabelledLabelsAreKnown) {
   for (const char* label : {"*10", "U7", "Unlabeled 3", "unlabeled_12", "C_1004", "15", "*"}) EXPECT_TRUE(is_unlabelled(label)) << label;
   for (const char* label : {"C7", "LKNE", "T10", "CLAV", "M1", "UARM", "LTH1"}) EXPECT_FALSE(is_unlabelled(label)) << label;

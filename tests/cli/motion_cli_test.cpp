@@ -199,6 +199,10 @@ TEST_F(MotionCliTest, ARunThatIsLostNamesItsReasons) {
   const std::string text = ugoki({"run", in_place, "--assist-limit", "0"}).out;
   EXPECT_NE(text.find(lost["checks"][0].get<std::string>()), std::string::npos) << text;
   EXPECT_TRUE(json({"run", walk_})["checks"].empty());
+  const Json pushed = json({"run", walk_, "--assist-limit", "0.05", "--push", "1200", "--push-time", "0.3"});
+  ASSERT_TRUE(pushed["fell"].get<bool>());
+  ASSERT_FALSE(pushed["checks"].empty());
+  EXPECT_NE(pushed["checks"][0].get<std::string>().find("assist was at its limit of 0.05"), std::string::npos) << pushed["checks"];
   EXPECT_EQ(ugoki({"run", walk_}).out.find("ugoki judge"), std::string::npos) << "a walk that is followed has no reasons";
 }
 

@@ -477,6 +477,29 @@ TEST(Support, AMotionThatIsPulledDownIsReported) {
   EXPECT_NE(sentence.find("accelerates downwards"), std::string::npos) << sentence;
 }
 
+TEST(Support, PartsBelowTheFloorAreReported) {
+  const MeasuredMotion walk = samples::make_human_walk();
+  const auto body = body::make_body(walk);
+  ASSERT_TRUE(body) << body.error().text();
+  Motion sunken = body::to_motion(*body, walk);
+  for (int f = 0; f < sunken.frames; ++f) sunken.frame(f)[2] -= 0.05 * (1 - sin_cos(2 * pi * f / sunken.frames).cos);
+  const std::string sentence = describe_missing_support(*body->mechanism, sunken, body->height);
+  EXPECT_NE(sentence.find("are below the floor"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("by up to 1"), std::string::npos) << "10 cm, and the depth of the feet: " << sentence;
+}
+
+TEST(Support, SlidingFeetAreReported) {
+  const MeasuredMotion walk = samples::make_human_walk();
+  const auto body = body::make_body(walk);
+  ASSERT_TRUE(body) << body.error().text();
+  Motion in_place = body::to_motion(*body, walk);
+  for (int f = 0; f < in_place.frames; ++f)
+    for (int k = 0; k < 2; ++k) in_place.frame(f)[k] = in_place.frame(0)[k];
+  const std::string sentence = describe_missing_support(*body->mechanism, in_place, body->height);
+  EXPECT_NE(sentence.find("slides over it"), std::string::npos) << sentence;
+  EXPECT_EQ(describe_missing_support(*body->mechanism, in_place, body->height, true), "") << "the report states that it walks on a belt";
+}
+
 TEST(Support, HoveringHeightsCloseTheGapToTheFloorButNotFlights) {
   const MeasuredMotion walk = samples::make_human_walk();
   const auto body = body::make_body(walk);

@@ -77,6 +77,24 @@ TEST(ConversionReport, EveryKindOfFileIsReported) {
 }
 
 /// The jump out of a calibration pose, which the conversion replaces, does not count as a speed of the motion.
+TEST(ConversionReport, OnlyPeopleThatLieAreReported) {
+  MeasuredMotion lying = samples::make_human_walk();
+  const auto body = body::make_body(lying);
+  ASSERT_TRUE(body) << body.error().text();
+  const std::size_t n = lying.skeleton.joints.size();
+  for (std::size_t k = 0; k < lying.rotations.size(); k += n) lying.rotations[k] = axis_angle({0, 1, 0}, 1.6) * lying.rotations[k];
+  const auto lies = [&](const body::Body& b) {
+    ConversionReport report;
+    describe(report, b, lying);
+    return std::ranges::any_of(report.check, [](const std::string& s) { return s.find("lies on its side") != std::string::npos; });
+  };
+  EXPECT_TRUE(lies(*body));
+  body::Body animal = *body;  // the head of an animal that grazes is as low
+  animal.anatomy.plan = "four legs";
+  animal.human = false;
+  EXPECT_FALSE(lies(animal));
+}
+
 TEST(ConversionReport, ReplacedCalibrationFramesAreNotChecked) {
   MeasuredMotion walk = samples::make_human_walk();
   const std::size_t n = walk.skeleton.joints.size();

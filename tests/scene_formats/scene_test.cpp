@@ -355,6 +355,61 @@ TEST(Scene, FbxReadsSkeletonDespiteOtherDefects) {
   expect_same(plain->front(), more->front(), 1e-12);
 }
 
+// A skin that weights the hip only, as in files in which the half of a body is mirrored: the knee, which turns, belongs to the skeleton;
+// an end that does not turn, and a mesh that turns with the knee (a shoe), do not.
+TEST(Scene, NodesBelowABoneThatTurnAreJointsWithoutWeights) {
+  std::string text = with(fbx_text, "Objects:  {\n", R"(Objects:  {
+  Geometry: 40, "Geometry::g", "Mesh" {
+    Vertices: *9 {
+      a: 0,0,0,1,0,0,0,1,0
+    }
+    PolygonVertexIndex: *3 {
+      a: 0,1,-3
+    }
+  }
+  Model: 41, "Model::body", "Mesh" {
+  }
+  Deformer: 42, "Deformer::", "Skin" {
+  }
+  Deformer: 43, "SubDeformer::", "Cluster" {
+    Indexes: *3 {
+      a: 0,1,2
+    }
+    Weights: *3 {
+      a: 1,1,1
+    }
+  }
+  Geometry: 44, "Geometry::s", "Mesh" {
+    Vertices: *9 {
+      a: 0,0,0,1,0,0,0,1,0
+    }
+    PolygonVertexIndex: *3 {
+      a: 0,1,-3
+    }
+  }
+  Model: 45, "Model::shoe", "Mesh" {
+  }
+  Model: 46, "Model::end", "LimbNode" {
+  }
+)");
+  text = with(text, "Connections:  {\n", R"(Connections:  {
+  C: "OO",40,41
+  C: "OO",41,0
+  C: "OO",42,40
+  C: "OO",43,42
+  C: "OO",10,43
+  C: "OO",44,45
+  C: "OO",45,11
+  C: "OO",46,11
+)");
+  const auto read = read_scene(bytes_of(text), "x.fbx");
+  ASSERT_TRUE(read) << read.error().text();
+  const MeasuredMotion& m = read->front();
+  EXPECT_EQ(m.joint_count(), 2);
+  EXPECT_GE(joint_named(m, "hip"), 0);
+  EXPECT_GE(joint_named(m, "knee"), 0);
+}
+
 TEST(Scene, EachStackOfAnFbxFileIsAMotion) {
   // Stacks of a motion editor: a second one with its own keys, one without a layer, and one whose layer has no curves.
   std::string text = with(fbx_text, "  AnimationLayer: 21", R"(  AnimationStack: 30, "AnimStack::run", "" {

@@ -247,13 +247,19 @@ class Maker {
       const Part own = part(i).part;
       return own == Part::foot || own == Part::toes || own == Part::hand || own == Part::fingers;
     };
+    // A paw without a bone of its own follows the link above it, which then stands on the floor.
+    const auto stands = [&](int i) {
+      bool paw = is_paw(i);
+      for (int c = i + 1; c < n_; ++c) paw = paw || (parent(c) == i && link(c).follows && is_paw(c));
+      return paw;
+    };
     bool has_paws = false;
-    for (int i = 0; i < n_; ++i) has_paws = has_paws || (is_paw(i) && !link(i).shapes.empty());
+    for (int i = 0; i < n_; ++i) has_paws = has_paws || (stands(i) && !link(i).shapes.empty());
     double floor = 1e300;
     std::vector<double> lows;
     for (int i = 0; i < n_; ++i)
       for (const Shape& s : link(i).shapes) {
-        if (four_legs() && has_paws && !is_paw(i)) continue;
+        if (four_legs() && has_paws && !stands(i)) continue;
         for (const double end : {-1.0, 1.0}) {
           const Vec3 p = s.X_BS * Vec3{0, 0, end * s.half_length};
           lows.clear();
@@ -267,7 +273,7 @@ class Maker {
     for (const End& e : ends) {
       const double gap = e.level - e.radius - floor;
       // The last joint of a paw can be an ankle: many rigs have no joint below it.
-      const double longest = four_legs() && is_paw(e.joint) ? 0.2 : 0.12;
+      const double longest = four_legs() && stands(e.joint) ? 0.2 : 0.12;
       if (gap < 1e-4 * size_ || gap > longest * out_.height) continue;
       link(e.link).shapes.push_back(Shape::capsule(e.radius, e.tip, e.tip - e.up * gap));
     }

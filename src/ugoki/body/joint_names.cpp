@@ -207,13 +207,15 @@ constexpr Entry parts_by_word[] = {
 };
 
 constexpr std::string_view helper_words[] = {
-    "twist",      "roll",  "nub",       "effector", "end",     "site",  "ik",      "fk",    "pole",  "target", "ctrl",
-    "helper",     "aux",   "jiggle",    "share",    "breast",  "boob",  "pec",     "hair",  "skirt", "cloth",  "cape",
-    "camera",     "light", "footsteps", "prop",     "weapon",  "sword", "gun",     "eye",   "eyes",  "eyelid", "jaw",
-    "tongue",     "brow",  "eyebrow",   "lip",      "lips",    "teeth", "face",    "cheek", "nose",  "ear",    "muscle",
-    "corrective", "bulge", "socket",    "attach",   "headtop", "tip",   "control", "hat",   "mouth", "chin",   "nostril"};
+    "twist",     "roll",   "nub",     "effector",   "end",   "site",  "ik",   "fk",     "pole",       "target", "ctrl",   "helper",
+    "aux",       "jiggle", "share",   "breast",     "boob",  "pec",   "hair", "skirt",  "cloth",      "cape",   "camera", "light",
+    "footsteps", "prop",   "weapon",  "sword",      "gun",   "eye",   "eyes", "eyelid", "jaw",        "tongue", "brow",   "eyebrow",
+    "lip",       "lips",   "teeth",   "face",       "cheek", "nose",  "ear",  "muscle", "corrective", "bulge",  "socket", "attach",
+    "headtop",   "tip",    "control", "controller", "hat",   "mouth", "chin", "nostril"};
 
-bool is_control_word(std::string_view w) { return w == "ik" || w == "fk" || w == "ctrl" || w == "control" || w == "target"; }
+bool is_control_word(std::string_view w) {
+  return w == "ik" || w == "fk" || w == "ctrl" || w == "control" || w == "controller" || w == "target";
+}
 bool is_helper_word(std::string_view w) { return std::ranges::find(helper_words, w) != std::end(helper_words); }
 
 const Entry* find_entry(std::string_view joined) {

@@ -155,20 +155,31 @@ class Check {
     return sum;
   }
 
-  /// True if trunk and head are a mirror image of the model in nearly all frames.
+  /// True if trunk and head are a mirror image of the model in nearly all frames; without markers on them, pelvis and both legs.
   [[nodiscard]] bool is_mirrored() const {
     constexpr double mostly = 0.9, flat = 1e-4;
     const auto central = [&](int column) {
       const std::string& name = set_.segments[at(marker(column).segment)].name;
       return name.ends_with("Shoulder") || (!name.starts_with("Left") && !name.starts_with("Right"));
     };
+    const auto of_legs = [&](int column) {
+      const std::string& name = set_.segments[at(marker(column).segment)].name;
+      return central(column) || name.ends_with("Leg") || name.ends_with("Foot") || name.ends_with("ToeBase");
+    };
+    // Legs that stand and walk have nearly the shape of the model at rest.
+    constexpr std::ptrdiff_t fewest = 6;
+    std::vector<int> labelled;
+    for (int c = 0; c < columns(); ++c)
+      if (match_[at(c)] >= 0) labelled.push_back(c);
+    const bool person = std::ranges::any_of(set_.segments, [](const ModelSegment& s) { return s.name == "LeftUpLeg"; });
+    const bool legs_only = person && std::ranges::count_if(labelled, central) < fewest;
     int count = 0, mirrored = 0;
     for (const int f : frames_) {
       std::vector<int> used;
       Vec3 own, model;
-      for (int c = 0; c < columns(); ++c)
-        if (match_[at(c)] >= 0 && central(c) && motion_.seen(f, c)) used.push_back(c);
-      if (used.size() < 6) continue;
+      for (const int c : labelled)
+        if ((legs_only ? of_legs(c) : central(c)) && motion_.seen(f, c)) used.push_back(c);
+      if (std::ssize(used) < (legs_only ? 2 * fewest : fewest)) continue;
       for (const int c : used) {
         own += motion_.at(f, c) / static_cast<double>(used.size());
         model += rest_[at(match_[at(c)])] / static_cast<double>(used.size());

@@ -146,7 +146,7 @@ MarkerSet make_human() {
   b.markers({"<ASI", "<FWT", "<ASIS", "ASIS<", "<IAS", "WAIST<FRONT"}, hips, {0.06, 0.12, 0.105}, 0.006);
   b.markers({"<PSI", "<BWT", "<PSIS", "PSIS<", "<IPS", "WAIST<BACK"}, hips, {-0.115, 0.045, 0.11}, 0.006);
   b.marker({"SACR", "SAC", "VSACRAL", "SACRUM", "SACRAL"}, hips, {-0.1, 0, 0.09}, 0.015);
-  b.markers({"<ILC", "<ICT", "<IC", "<CREST"}, hips, {-0.01, 0.145, 0.16}, 0.02);
+  b.markers({"<ILC", "<ICT", "<IC", "<CREST", "<ILIACCREST"}, hips, {-0.01, 0.145, 0.16}, 0.02);
   b.markers({"<FHD", "<HEADFRONT"}, head, {0.1, 0.065, 0.09}, 0.03);
   b.markers({"<BHD", "<HEADBACK"}, head, {-0.08, 0.065, 0.09}, 0.03);
   b.markers({"<TEMPLE", "<HEAD", "<TRAGION"}, head, {0.04, 0.075, 0.07}, 0.03);

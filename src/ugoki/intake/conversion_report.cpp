@@ -168,7 +168,8 @@ void describe(ConversionReport& report, const body::Body& body, const MeasuredMo
   else if (!body.human && (body.height < 0.01 || body.height > 12))
     report.check.push_back("The character is " + to_fixed(body.height, body.height < 0.1 ? 4 : 1) +
                            " m tall: the unit of length is probably wrong; set it in the import options.");
-  if (extremes.lying > 0.8)
+  // The head of a four-legged animal that walks or grazes is often as low as its hips.
+  if (extremes.lying > 0.8 && body.anatomy.plan != "four legs")
     report.check.push_back(
         "The character lies on its side or hangs head down in nearly all frames: if it should stand, another axis points up.");
   const double fast = body.human ? 25 : 40;

@@ -183,20 +183,6 @@ void set_size(std::vector<MeasuredMotion>& motions, const body::Character& chara
   if (!reason.empty()) notes.remarks.push_back(std::move(reason));
 }
 
-/// Lowers the root of a person or animal that hovers. @return a sentence about it; empty if it does not hover
-std::string lower_to_floor(MeasuredMotion& measured, const body::Body& body) {
-  const Motion motion = body::to_motion(body, measured);
-  if (motion.frames != measured.frames) return {};
-  const std::vector<double> heights = hovering_heights(*body.mechanism, motion, body.height);
-  if (heights.empty()) return {};
-  const std::size_t n = measured.skeleton.joints.size();
-  for (std::size_t f = 0; f < heights.size(); ++f)
-    for (std::size_t j = 0; j < n; ++j)
-      if (measured.skeleton.joints[j].parent < 0) measured.translations[f * n + j].z -= heights[f];
-  return measured.name + ": the character was lowered by up to " + to_fixed(100 * *std::ranges::max_element(heights), 1) +
-         " cm where it hovers above the floor without falling.";
-}
-
 /// Imports skeleton motions. @param motions at least one, all on the same skeleton  @param mesh_ends see arrange()
 Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadNotes notes, std::string_view file_name,
                              const IntakeOptions& options, bool mesh_ends = false, formats::FileSkin file_skin = {}) {
@@ -264,7 +250,9 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   for (MeasuredMotion& m : motions)
     if (std::string sentence = cut_at_jumps(character, m); !sentence.empty())
       notes.remarks.push_back((motions.size() > 1 ? m.name + ": " : "") + sentence);
-  for (MeasuredMotion& m : motions)
+  std::vector<char> on_belt(motions.size(), 0);
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    MeasuredMotion& m = motions[i];
     if (const std::optional<Vec3> belt = belt_velocity(character, m)) {
       out.walks_in_place = true;
       const std::string speed = to_fixed(norm(*belt), 2) + " m/s";
@@ -273,11 +261,13 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
         notes.remarks.push_back(m.name + ": a travel of " + speed +
                                 " was added, because the character walks in place and its standing feet slide.");
       } else {
+        on_belt[i] = 1;
         checks.push_back(
             m.name + ": the character walks in place (on a treadmill); its standing feet slide at " + speed +
             ". Under dynamics it will fall. Add the travel of its steps (in the studio: Add travel; on the command line: --travel).");
       }
     }
+  }
   describe(out.conversion, motions);
   if (notes.unit_guessed) out.report.push_back("Unit of length guessed: " + to_text(notes.metres_per_unit) + " m.");
   out.report.insert(out.report.end(), notes.remarks.begin(), notes.remarks.end());
@@ -326,16 +316,19 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   out.items = {std::move(mechanism_item)};
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (auto error = stopped(options, file_name)) return fail(std::move(*error));
-    if (character.plan != body::BodyPlan::other && options.travel)
-      if (std::string sentence = lower_to_floor(motions[i], *body); !sentence.empty()) {
+    if (character.plan != body::BodyPlan::other && options.travel) {
+      const auto [sentence, far] = lower_to_floor(motions[i], *body);
+      if (far) checks.push_back(sentence);
+      if (!far && !sentence.empty()) {
         out.report.push_back(sentence);
         out.conversion.add_remarks({sentence});
       }
+    }
     Motion motion;
     auto items = motion_items(motions[i], *body, mechanism_id, out.source, options, motion);
     if (!items) return fail(in_file(std::move(items.error()), file_name));
     for (store::LibraryItem& item : *items) out.items.push_back(std::move(item));
-    if (std::string sentence = describe_missing_support(*body->mechanism, motion, body->height); !sentence.empty())
+    if (std::string sentence = describe_missing_support(*body->mechanism, motion, body->height, on_belt[i] != 0); !sentence.empty())
       checks.push_back(std::move(sentence));
     if (i == 0) out.motion = std::move(motion);
   }

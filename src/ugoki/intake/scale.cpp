@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "ugoki/base/number.h"
+#include "ugoki/intake/support.h"
 #include "ugoki/intake/tree_edit.h"
 
 namespace ugoki::intake {
@@ -89,6 +91,22 @@ void add_travel(MeasuredMotion& motion, const Vec3& velocity) {
   for (std::size_t f = 0; f < at(motion.frames); ++f)
     for (std::size_t i = 0; i < n; ++i)
       if (motion.skeleton.joints[i].parent < 0) motion.translations[f * n + i] += velocity * (-static_cast<double>(f) / motion.rate);
+}
+
+Lowered lower_to_floor(MeasuredMotion& measured, const body::Body& body) {
+  constexpr double far = 0.08;  // share of the height
+  const Motion motion = body::to_motion(body, measured);
+  if (motion.frames != measured.frames) return {};
+  const std::vector<double> heights = hovering_heights(*body.mechanism, motion, body.height);
+  if (heights.empty()) return {};
+  const std::size_t n = measured.skeleton.joints.size();
+  for (std::size_t f = 0; f < heights.size(); ++f)
+    for (std::size_t j = 0; j < n; ++j)
+      if (measured.skeleton.joints[j].parent < 0) measured.translations[f * n + j].z -= heights[f];
+  const double highest = *std::ranges::max_element(heights);
+  return {measured.name + ": the character was lowered by up to " + to_fixed(100 * highest, 1) +
+              " cm where it hovers above the floor without falling.",
+          highest > far * body.height};
 }
 
 }  // namespace ugoki::intake

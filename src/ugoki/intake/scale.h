@@ -1,9 +1,10 @@
 #pragma once
-// Up axis, unit of length and travel of a motion, from the posture, the size and the steps of its character.
+// Up axis, unit of length, travel and height of a motion, from the posture, the size and the steps of its character.
 
 #include <optional>
-#include <span>
+#include <string>
 
+#include "ugoki/body/body.h"
 #include "ugoki/body/recognise.h"
 #include "ugoki/motion/skeleton.h"
 
@@ -22,5 +23,13 @@ namespace ugoki::intake {
 [[nodiscard]] std::optional<Vec3> belt_velocity(const body::Character& character, const MeasuredMotion& motion);
 /// Adds the displacement -velocity * time to the roots, so that feet that stand on the belt stand on the floor.
 void add_travel(MeasuredMotion& motion, const Vec3& velocity);
+
+/// Result of lower_to_floor().
+struct Lowered {
+  std::string sentence;  ///< what was changed; empty if the character does not hover
+  bool far = false;      ///< the legs bend much more than in the file
+};
+/// Lowers the root of a person or animal that hovers (hovering_heights). @param body made for the motion
+Lowered lower_to_floor(MeasuredMotion& measured, const body::Body& body);
 
 }  // namespace ugoki::intake

@@ -20,6 +20,31 @@ double lowest_height(const std::vector<std::vector<SupportPoint>>& points, const
   return lowest;
 }
 
+/// Link of the lowest support point.
+int lowest_link(const std::vector<std::vector<SupportPoint>>& points, const std::vector<Pose>& X) {
+  double low = 1e300;
+  int link = 0;
+  for (std::size_t i = 0; i < X.size(); ++i)
+    for (const SupportPoint& s : points[i])
+      if (const double z = (X[i] * s.p).z - s.radius; z < low) {
+        low = z;
+        link = static_cast<int>(i);
+      }
+  return link;
+}
+
+/// Minimum horizontal displacement [m] from `before` to `now` of the support points that are lower than `highest` [m]; -1e9 without one.
+double slowest_slide(const std::vector<std::vector<SupportPoint>>& points, const std::vector<Pose>& before, const std::vector<Pose>& now,
+                     double highest) {
+  double slowest = 1e300;
+  for (std::size_t i = 0; i < now.size(); ++i)
+    for (const SupportPoint& s : points[i]) {
+      const Vec3 p = now[i] * s.p, d = p - before[i] * s.p;
+      if (p.z - s.radius < highest) slowest = std::min(slowest, std::sqrt(d.x * d.x + d.y * d.y));
+    }
+  return slowest < 1e299 ? slowest : -1e9;
+}
+
 /// Horizontal distance [m] by which `p` is outside the convex hull of the points; negative inside. 16 directions approximate the hull.
 double distance_outside(const Vec3& p, const std::vector<Vec3>& points) {
   constexpr int directions = 16;
@@ -95,9 +120,46 @@ std::string describe_pull(const std::string& name, const std::vector<Vec3>& cent
          "motion exactly.";
 }
 
+/// A sentence about parts of the body far below the floor; empty if they are there in few frames.
+/// @param low [frames] m, height of the lowest support point  @param lowest [frames] link of this point
+std::string describe_sunken(const Mechanism& mechanism, const std::string& name, const std::vector<double>& low,
+                            const std::vector<int>& lowest, double height) {
+  constexpr double depth = 0.03, few = 0.05;  // share of the height: soles and paws of captures sink by up to 2 %; share of the frames
+  std::size_t count = 0, deepest = 0;
+  for (std::size_t k = 0; k < low.size(); ++k) {
+    count += low[k] < -depth * height ? 1 : 0;
+    if (low[k] < low[deepest]) deepest = k;
+  }
+  const double share = static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, low.size()));
+  if (share < few) return {};
+  return name + ": in " + to_fixed(100 * share, 0) + " % of the frames parts of the body are below the floor, " +
+         mechanism.link(lowest[deepest]).name + " by up to " + to_fixed(-100 * low[deepest], 0) +
+         " cm. Under dynamics the floor holds them up, and their joints cannot follow the motion exactly.";
+}
+
+/// A sentence about feet that slide over the floor all the time; empty if they seldom do.
+/// @param slide [frames] m/s, minimum horizontal speed of the points near the floor; negative: no point is near it
+std::string describe_sliding(const std::string& name, const std::vector<double>& slide, double height) {
+  // Feet of captures roll or slip with less than 0.3 m/s for a person of 1.7 m; speeds scale with the root of the height (Froude).
+  const double fast = 0.3 * std::sqrt(height / 1.7);
+  constexpr double often = 0.5;  // share of the frames with a point near the floor: landing feet of runners slide in a third of them
+  std::vector<double> sliding;
+  std::size_t standing = 0;
+  for (const double s : slide) {
+    standing += s >= 0 ? 1 : 0;
+    if (s > fast) sliding.push_back(s);
+  }
+  if (standing == 0 || static_cast<double>(sliding.size()) < often * static_cast<double>(standing)) return {};
+  const auto middle = sliding.begin() + static_cast<std::ptrdiff_t>(sliding.size() / 2);
+  std::nth_element(sliding.begin(), middle, sliding.end());
+  return name + ": in " + to_fixed(100.0 * static_cast<double>(sliding.size()) / static_cast<double>(slide.size()), 0) +
+         " % of the frames all that is near the floor slides over it, usually at " + to_fixed(*middle, 2) +
+         " m/s. Under dynamics friction holds the feet, and the legs cannot follow the motion exactly.";
+}
+
 }  // namespace
 
-std::string describe_missing_support(const Mechanism& mechanism, const Motion& motion, double height) {
+std::string describe_missing_support(const Mechanism& mechanism, const Motion& motion, double height, bool on_belt) {
   // Measured feet are up to 4 % of the height away from the floor in stance (soft soles, noise). A body that accelerates downwards with
   // more than a third of gravity is in a flight phase.
   constexpr double gap = 0.05, falling = -0.35 * 9.81, shortest = 0.25, window = 0.08;
@@ -109,9 +171,16 @@ std::string describe_missing_support(const Mechanism& mechanism, const Motion& m
   std::vector<double> low, root;
   std::vector<Vec3> centre;
   std::vector<std::vector<Vec3>> near_floor;  // [frames] points at most `gap` above the floor
+  constexpr double touching = 0.01;           // share of the height
+  std::vector<int> lowest;
+  std::vector<double> slide;
+  std::vector<Pose> before;
   for (int f = 0; f < motion.frames; f += step) {
     calc_poses(mechanism, {motion.frame(f), static_cast<std::size_t>(motion.nq)}, X);
     low.push_back(lowest_height(points, X));
+    lowest.push_back(lowest_link(points, X));
+    slide.push_back(before.empty() ? -1 : slowest_slide(points, before, X, touching * height) * motion.rate / step);
+    before = X;
     root.push_back(X[0].p.z);
     centre.push_back(centre_of_mass(mechanism, X));
     std::vector<Vec3>& standing = near_floor.emplace_back();
@@ -144,8 +213,11 @@ std::string describe_missing_support(const Mechanism& mechanism, const Motion& m
     run = 0;
   }
   if (missing == 0) {
-    std::string rest = describe_unbalanced_rest(motion.name, centre, near_floor, dt, height);
-    return rest.empty() ? describe_pull(motion.name, centre, dt) : rest;
+    std::string reason = describe_unbalanced_rest(motion.name, centre, near_floor, dt, height);
+    if (reason.empty()) reason = describe_pull(motion.name, centre, dt);
+    if (reason.empty()) reason = describe_sunken(mechanism, motion.name, low, lowest, height);
+    if (reason.empty() && !on_belt) reason = describe_sliding(motion.name, slide, height);
+    return reason;
   }
   return motion.name + ": in " + to_fixed(100.0 * missing / n, 0) + " % of the frames (first at " + to_fixed(first, 2) +
          " s) nothing of the character is near the floor although it does not fall. It stands on, sits on or hangs from something that the "

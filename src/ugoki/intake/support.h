@@ -10,9 +10,11 @@
 namespace ugoki::intake {
 
 /// Sentence about frames in which nothing of the character is near the floor although it does not fall: it stands on stairs, sits on a
-/// chair, hangs from a bar, or its height drifts. Empty if there are none of at least 0.25 s.
-/// @param height m, of the character
-[[nodiscard]] std::string describe_missing_support(const Mechanism& mechanism, const Motion& motion, double height);
+/// chair, hangs from a bar, or its height drifts. Without such frames of at least 0.25 s, a sentence about another reason for which
+/// dynamics cannot follow the motion: the points near the floor do not balance the character, it accelerates downwards faster than gravity,
+/// parts of it are below the floor, or its feet slide. Empty if there is none.
+/// @param height m, of the character @param on_belt the character walks in place, so that its feet slide
+[[nodiscard]] std::string describe_missing_support(const Mechanism& mechanism, const Motion& motion, double height, bool on_belt = false);
 
 /// Heights by which a person or animal hovers: its lowest point is above the floor although it does not fall, as in hand-animated motions
 /// whose root bobs more than the legs reach. The heights are interpolated through flight phases and smoothed over 0.1 s. Empty if the

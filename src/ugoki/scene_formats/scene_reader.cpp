@@ -130,14 +130,36 @@ class SceneReader {
     return true;
   }
 
-  /// Selects the nodes that become joints. With skins: the bones, the nodes between them, and animated nodes above them. Without skins: the
-  /// animated nodes and their descendants without meshes.
+  /// True if an animation turns the node by more than 1 degree.
+  [[nodiscard]] bool turns(const aiNode& node) const {
+    constexpr double still = 0.99996;  // cosine of half a degree, of the real part of quaternions
+    for (unsigned a = 0; a < scene_.mNumAnimations; ++a)
+      for (unsigned c = 0; c < scene_.mAnimations[a]->mNumChannels; ++c) {
+        const aiNodeAnim& channel = *scene_.mAnimations[a]->mChannels[c];
+        if (channel.mNodeName != node.mName) continue;
+        for (unsigned k = 1; k < channel.mNumRotationKeys; ++k) {
+          const Quat p = quat_of(channel.mRotationKeys[0].mValue), q = quat_of(channel.mRotationKeys[k].mValue);
+          if (std::fabs(p.w * q.w + p.x * q.x + p.y * q.y + p.z * q.z) < still) return true;
+        }
+      }
+    return false;
+  }
+
+  /// Selects the nodes that become joints. With skins: the bones, the nodes between them, animated nodes above them, and animated
+  /// nodes without meshes below them that turn or carry such nodes (a skin can weight the half of a body only). Without skins: the animated
+  /// nodes and their descendants without meshes.
   void choose_joints() {
     const bool skinned = std::any_of(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.bone; });
+    std::vector<char> below_bone(nodes_.size(), 0), carries(nodes_.size(), 0);
+    for (const Node& n : nodes_)
+      if (n.parent >= 0 && n.animated && n.node->mNumMeshes == 0) carries[static_cast<std::size_t>(n.parent)] = 1;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       Node& n = nodes_[i];
+      const auto above = static_cast<std::size_t>(std::max(n.parent, 0));
+      below_bone[i] = n.parent >= 0 && (nodes_[above].bone || below_bone[above] != 0) ? 1 : 0;
       const bool on_chosen = n.parent >= 0 && nodes_[static_cast<std::size_t>(n.parent)].keep;
-      n.keep = skinned ? n.bone : (n.animated || (on_chosen && n.node->mNumMeshes == 0));
+      n.keep = skinned ? n.bone || (below_bone[i] != 0 && n.animated && n.node->mNumMeshes == 0 && (carries[i] != 0 || turns(*n.node)))
+                       : (n.animated || (on_chosen && n.node->mNumMeshes == 0));
     }
     for (std::size_t i = nodes_.size(); i-- > 1;) {  // all nodes up to the highest animated or kept ancestor become joints
       if (!nodes_[i].keep) continue;
