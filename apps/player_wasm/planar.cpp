@@ -67,12 +67,16 @@ UGOKI_EXPORT(ugoki_planar)
 void ugoki_planar(const std::uint8_t* rgba, std::uint32_t width, std::uint32_t height, std::uint8_t* out) {
   const auto* pixels = reinterpret_cast<const std::uint32_t*>(rgba);
   const std::size_t size = std::size_t{width} * height;
-  for (std::uint32_t y = 0; y < height; ++y) luma_row(pixels + std::size_t{height - 1 - y} * width, width, out + std::size_t{y} * width);
   const std::uint32_t half = width / 2;
-  for (std::uint32_t y = 0; y < height / 2; ++y) {
-    const std::uint32_t* upper = pixels + std::size_t{height - 1 - 2 * y} * width;
-    std::uint8_t* at = out + size + std::size_t{y} * half;
-    chroma_row(upper, upper - width, half, at, at + size / 4);
+  // Luma and chroma of two rows follow each other, because the rows are then still in the processor's cache.
+  for (std::uint32_t y = 0; y < height; y += 2) {
+    const std::uint32_t* upper = pixels + std::size_t{height - 1 - y} * width;
+    const std::uint32_t* lower = upper - width;
+    std::uint8_t* const luma_at = out + std::size_t{y} * width;
+    luma_row(upper, width, luma_at);
+    luma_row(lower, width, luma_at + width);
+    std::uint8_t* const cb_at = out + size + std::size_t{y / 2} * half;
+    chroma_row(upper, lower, half, cb_at, cb_at + size / 4);
   }
 }
 

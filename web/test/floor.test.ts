@@ -1,9 +1,10 @@
 import * as THREE from 'three';
 import { describe, expect, it } from 'vitest';
-import { Floor, shadow_rectangle, sphere_of } from '../src/view/floor';
+import { Floor, sphere_of } from '../src/view/floor';
 import { FloorLines, line_count } from '../src/view/floor_lines';
+import { outline_corners, shadow_outline } from '../src/view/shadow_outline';
 
-describe('shadow_rectangle', () => {
+describe('shadow_outline', () => {
   it('contains the shadows of all bodies and little more', () => {
     const to_light = new THREE.Vector3(2.6, 3.4, 6.8).normalize();
     const bodies = [0, 1, 2, 3].map((i) => {
@@ -13,21 +14,31 @@ describe('shadow_rectangle', () => {
       body.updateMatrixWorld();
       return body;
     });
-    const box = new THREE.Box2();
+    const shadows: THREE.Vector2[] = [];
     const point = new THREE.Vector3();
     for (const body of bodies) {
       const at = body.geometry.getAttribute('position');
       for (let i = 0; i < at.count; i++) {
         point.fromBufferAttribute(at, i).applyMatrix4(body.matrixWorld);
         point.addScaledVector(to_light, -point.z / to_light.z); // along the ray of light onto the floor
-        box.expandByPoint(new THREE.Vector2(point.x, point.y));
+        shadows.push(new THREE.Vector2(point.x, point.y));
       }
     }
-    const { left, right, front, back } = shadow_rectangle(bodies.map(sphere_of), to_light, 0.01);
-    const margins = [box.min.x - left, right - box.max.x, box.min.y - front, back - box.max.y];
-    // 0.01 m is the given softness; 0.4 m: bounding spheres are larger than bodies
-    for (const margin of margins) expect(margin).toBeGreaterThan(0.01);
-    for (const margin of margins) expect(margin).toBeLessThan(0.4);
+    const outline = shadow_outline(bodies.map(sphere_of), to_light, 0.01);
+    const corners = Array.from({ length: outline_corners }, (_, i) => new THREE.Vector2(outline[2 * i], outline[2 * i + 1]));
+    corners.forEach((corner, i) => {
+      const next = corners[(i + 1) % outline_corners]!;
+      const outward = new THREE.Vector2(next.y - corner.y, corner.x - next.x).normalize();
+      const margin = Math.min(...shadows.map((shadow) => corner.clone().sub(shadow).dot(outward)));
+      expect(margin, `side ${i}`).toBeGreaterThan(0.01); // the given softness
+      expect(margin, `side ${i}`).toBeLessThan(0.4); // bounding spheres are larger than bodies
+    });
+    // the bodies are in a row: the smallest rectangle along x and y is much larger
+    const area = corners.reduce((sum, corner, i) => sum + 0.5 * corner.cross(corners[(i + 1) % outline_corners]!), 0);
+    const box = new THREE.Box2().setFromPoints(corners);
+    const size = box.getSize(new THREE.Vector2());
+    expect(area).toBeGreaterThan(0);
+    expect(area).toBeLessThan(0.7 * size.x * size.y);
   });
 });
 

@@ -10,15 +10,16 @@ const shader_of = (envMap: boolean): THREE.WebGLProgramParametersWithUniforms =>
 const whole = (text: string): string => text.replace(/#include <(\w+)>/g, (_, name: string) => whole((THREE.ShaderChunk as Record<string, string>)[name]!));
 
 describe('shading by vertices', () => {
-  it('computes colours in the vertex shader, where normal, place and light are known, and mixes them by pixels', () => {
+  it('computes colours in the vertex shader, where normal, place and light are known', () => {
     const shader = shader_of(false);
     expect(shade_by_vertices(shader, look)).toBe(true);
     const vertex = whole(shader.vertexShader);
     const place = vertex.indexOf('vec3 base = own_color');
     for (const known of ['vec4 mvPosition =', 'vec3 light_normal =', 'v_light_around +=']) expect(vertex.slice(0, place)).toContain(known);
     for (const used of ['own_roughness', 'own_light']) expect(vertex.slice(place)).toContain(used);
-    const varyings = (text: string): string[] => [...text.matchAll(/varying vec3 (v_lit, v_shaded);/g)].map(([, names]) => names!);
-    expect(varyings(whole(shader.fragmentShader))).toEqual(varyings(vertex));
+    const varyings = (text: string): string[] => [...text.matchAll(/varying vec3 (v_lit, v_shaded|v_color);/g)].map(([, names]) => names!);
+    expect(varyings(whole(shader.fragmentShader))).toEqual(['v_lit, v_shaded', 'v_color']);
+    expect(varyings(vertex)).toEqual(['v_lit, v_shaded', 'v_color']);
     expect(shader.fragmentShader).not.toContain('lights_fragment_begin');
   });
 
@@ -30,6 +31,6 @@ describe('shading by vertices', () => {
 
   it('refuses a shader that it does not know', () => {
     const shader = { ...shader_of(false), vertexShader: '#include <normal_pars_vertex>' } as THREE.WebGLProgramParametersWithUniforms;
-    expect(() => shade_by_vertices(shader, look)).toThrow('shadowmap_vertex');
+    expect(() => shade_by_vertices(shader, look)).toThrow('shadowmap_pars_vertex');
   });
 });

@@ -4,7 +4,7 @@ import { shot_at, view_of } from '../core/film';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, type Frame } from '../core/frames';
 import type { MechanismData } from '../core/protocol';
 import { CameraRig } from '../view/camera';
-import { is_body } from '../view/body_field';
+import { is_body, is_whole_body } from '../view/body_field';
 import { BodySkin, body_surface, GradualSurfaces, hidden_layer, sample_surface } from '../view/body_view';
 import { CharacterView, mechanism_geometries, type LinkTag } from '../view/character_view';
 import { on_texture } from '../view/skin_view';
@@ -88,8 +88,12 @@ export class SceneView {
     const { scene, stage } = this;
     stage.set_look(scene.look, theme);
     const bodies = scene.characters.filter((c) => !c.metalness && is_body(scene.mechanisms[c.mechanism]!));
-    const samples = [...new Set(bodies.map((c) => Object.keys(c.link_colors ?? {}).length > 0))].map((tinted) => {
-      const skin = new BodySkin(sample_surface(), '#e6e6ea');
+    const kinds = new Map(bodies.map((c) => {
+      const kind = { tinted: Object.keys(c.link_colors ?? {}).length > 0, whole: is_whole_body(scene.mechanisms[c.mechanism]!) };
+      return [JSON.stringify(kind), kind];
+    }));
+    const samples = [...kinds.values()].map(({ tinted, whole }) => {
+      const skin = new BodySkin(sample_surface(), '#e6e6ea', whole);
       skin.set_tints(tinted ? ['#e6e6ea'] : null);
       return skin;
     });

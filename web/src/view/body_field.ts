@@ -111,6 +111,12 @@ export function parts_of_body(mechanism: MechanismData): boolean[] {
   return parts;
 }
 
+/** Whether all shapes of a mechanism are parts of a body. */
+export function is_whole_body(mechanism: MechanismData): boolean {
+  const of_body = parts_of_body(mechanism);
+  return mechanism.links.every(({ shapes }, i) => of_body[i] || shapes.length === 0);
+}
+
 const spread_leg = 0.16; // rad, 9 degrees: thighs of the bind pose do not touch each other
 const spread_arm = 0.7; // rad, 40 degrees: hanging arms of the bind pose do not touch the trunk
 

@@ -115,8 +115,10 @@ export class BodySkin {
   private readonly tints = { value: Array.from({ length: max_links }, () => new THREE.Color()) };
   private readonly glow = { value: Array.from({ length: max_links }, () => new THREE.Vector2()) };
 
-  constructor(private readonly surface: BodySurface, color: THREE.ColorRepresentation) {
+  /** @param whole whether the surface is all that is drawn of the mechanism; shadows beside other shapes are drawn as on these (vertex_shading.ts) */
+  constructor(private readonly surface: BodySurface, color: THREE.ColorRepresentation, whole: boolean) {
     this.material = new THREE.MeshStandardMaterial({ color, roughness: 0.6, metalness: 0 });
+    if (!whole) this.material.defines = { ...this.material.defines, LARGE_TRIANGLES: '' };
     this.material.onBeforeCompile = (shader) => {
       shader.uniforms.u_glow = this.glow;
       shader.uniforms.u_tints = this.tints;

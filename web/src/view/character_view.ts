@@ -5,7 +5,7 @@ import { mergeGeometries, mergeVertices } from 'three/examples/jsm/utils/BufferG
 import type { Frame, CharacterFrame } from '../core/frames';
 import type { Material } from '../core/look';
 import type { LinkData, MechanismData, ShapeData } from '../core/protocol';
-import { parts_of_body } from './body_field';
+import { is_whole_body, parts_of_body } from './body_field';
 import { BodySkin, body_surface, hidden_layer, LinkBones, type Glow } from './body_view';
 import type { BodySurface } from './body_surface';
 import { shadow_material } from './shadow_region';
@@ -143,7 +143,7 @@ export class CharacterView {
     this.poses = new Float32Array(7 * mechanism.links.length);
     for (let i = 0; i < mechanism.links.length; i++) this.poses[7 * i + 3] = 1;
     const surface = surface_of && surface_of(mechanism);
-    this.skin = surface && new BodySkin(surface, color);
+    this.skin = surface && new BodySkin(surface, color, is_whole_body(mechanism));
     this.plain = this.material_of(color);
     const tinted = (emissive: number, emissiveIntensity: number): THREE.MeshStandardMaterial => this.material_of(color, { emissive, emissiveIntensity });
     this.emphasised = { hover: tinted(0xffffff, 0.09), selected: tinted(0xff8a3d, 0.34), pulled: tinted(0xff8a3d, 0.5) };
@@ -170,7 +170,7 @@ export class CharacterView {
   /** A material of links. Beside the surface of a body, links are shaded as it is. */
   private material_of(color: THREE.ColorRepresentation, more: THREE.MeshStandardMaterialParameters = {}): THREE.MeshStandardMaterial {
     const material = new THREE.MeshStandardMaterial({ color, roughness: 0.6, metalness: 0, ...more });
-    if (this.skin) material.onBeforeCompile = shade_link;
+    if (this.skin) Object.assign(material, { onBeforeCompile: shade_link, defines: { ...material.defines, LARGE_TRIANGLES: '' } });
     return material;
   }
 

@@ -51,7 +51,7 @@ class Batch {
 
   constructor(private readonly surface: CrowdSurface) {
     this.uniforms = { u_links: { value: surface.links }, u_poses: { value: null }, u_marks: { value: null } };
-    this.mesh = new THREE.Mesh(instanced(surface.geometry), crowd_material(this.uniforms, { own_colors: surface.geometry.hasAttribute('own_color'), by_vertices: surface.inverses !== null }));
+    this.mesh = new THREE.Mesh(instanced(surface.geometry), crowd_material(this.uniforms, { own_colors: surface.geometry.hasAttribute('own_color'), by_vertices: surface.inverses !== null, whole_body: surface.whole_body }));
     this.mesh.customDepthMaterial = crowd_depth(this.uniforms);
     this.mesh.matrixAutoUpdate = false;
     this.mesh.frustumCulled = false; // the instances are anywhere

@@ -71,12 +71,12 @@ void crowd_look() {
 /**
  * The shaded material. Colour, roughness and metalness are attributes of the instances.
  * @param options own_colors: the vertices have the attribute `own_color`: r g b (linear) and the share of it in the colour; by_vertices: bodies are
- * shaded by vertices (shade_by_vertices())
+ * shaded by vertices (shade_by_vertices()); whole_body: nothing but the smooth surface of a body is drawn
  */
-export function crowd_material(uniforms: CrowdUniforms, { own_colors, by_vertices }: { own_colors: boolean; by_vertices: boolean }): THREE.MeshStandardMaterial {
+export function crowd_material(uniforms: CrowdUniforms, { own_colors, by_vertices, whole_body }: { own_colors: boolean; by_vertices: boolean; whole_body: boolean }): THREE.MeshStandardMaterial {
   const material = new THREE.MeshStandardMaterial();
   if (own_colors) material.defines = { ...material.defines, OWN_COLORS: '' };
-  if (by_vertices) material.defines = { ...material.defines, BY_VERTICES: '' };
+  if (by_vertices) material.defines = { ...material.defines, BY_VERTICES: '', ...(whole_body ? {} : { LARGE_TRIANGLES: '' }) };
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
     shader.vertexShader = shader.vertexShader

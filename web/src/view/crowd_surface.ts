@@ -18,6 +18,8 @@ export interface CrowdSurface {
   shadow: IndexRange;
   /** Deviation of `far` from `shown`, m. */
   far_error: number;
+  /** Whether it is the smooth surface of a body, and nothing else. */
+  whole_body: boolean;
 }
 
 /** The smooth surface of a body. */
@@ -27,7 +29,7 @@ function skinned_surface({ geometry, shown, far, shadow, far_error, inverses }: 
     matrix.decompose(position, rotation, new THREE.Vector3());
     return { position, rotation };
   });
-  return { geometry, links: inverses.length, inverses: parts, shown, far, shadow, far_error };
+  return { geometry, links: inverses.length, inverses: parts, shown, far, shadow, far_error, whole_body: true };
 }
 
 /** The smooth surface of a body, and beside it the shapes of the links that are no parts of the body. @param geometries as in rigid_surface() */
@@ -52,7 +54,7 @@ export function body_and_machine(body: BodySurface, mechanism: MechanismData, ge
   const shadow = [...smooth_index(body.shadow), ...shapes];
   geometry.setIndex([...shown, ...far, ...shadow]);
   const range = (start: number, list: number[]): IndexRange => ({ start, count: list.length });
-  return { ...skinned, geometry, shown: range(0, shown), far: range(shown.length, far), shadow: range(shown.length + far.length, shadow) };
+  return { ...skinned, whole_body: false, geometry, shown: range(0, shown), far: range(shown.length, far), shadow: range(shown.length + far.length, shadow) };
 }
 
 /** The shapes of each link as a geometry whose vertices follow the link; null entries are left out. */
@@ -90,5 +92,5 @@ export function rigid_surface(mechanism: MechanismData, geometries: readonly (TH
   const parts = link_parts(geometries);
   const geometry = parts.length > 0 ? mergeGeometries(parts) : new THREE.BufferGeometry().setAttribute('position', new THREE.BufferAttribute(new Float32Array(0), 3)).setIndex([]);
   const all = { start: 0, count: geometry.index?.count ?? 0 };
-  return { geometry, links: mechanism.links.length, inverses: null, shown: all, far: all, shadow: all, far_error: 0 };
+  return { geometry, links: mechanism.links.length, inverses: null, shown: all, far: all, shadow: all, far_error: 0, whole_body: false };
 }

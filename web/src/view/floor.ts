@@ -2,10 +2,12 @@
 import * as THREE from 'three';
 import { FloorLines } from './floor_lines';
 import { displayed } from './shading';
+import { outline_corners, outline_vertices, shadow_outline } from './shadow_outline';
 
 // The floor is flat and its lights are directional, so that its lighting without shadow is the same everywhere. The vertex shader therefore
 // computes the displayed (sRGB) colours with and without shadow, and the fragment shader mixes displayed colours: three powers a pixel less.
-const fade = 'vec3 faded(vec3 color, vec2 at) { return mix(color, u_background, smoothstep(0.12 * u_reach, u_reach, length(at - u_focus))); }';
+const inner = 0.12; // distance from the focus, relative to the visible radius, from which the floor fades into the background
+const fade = `vec3 faded(vec3 color, vec2 at) { return mix(color, u_background, smoothstep(${inner} * u_reach, u_reach, length(at - u_focus))); }`;
 const vertex_shader = `
 #include <common>
 #include <lights_pars_begin>
@@ -96,40 +98,13 @@ void main() {
 }`;
 
 const ground_patterns = ['grid', 'plain', 'checker', 'boards'];
-const ring_count = 24; // of the disc: its colour is exact at their edges and linear between them
+// The disc's colour is exact at the edges of its rings and sectors and linear between them, which is at most 0.4 % of the way into the background off.
+const ring_count = 14;
+const sectors = 40;
 const max_patches = 256; // if more bodies cast shadows, one patch covers all of them
 
 /** `whole`: colours and depth. `depth`: depth only, before the bodies, so that it hides the parts of bodies below it. `flat`: colours without depth. */
 export type FloorMode = 'whole' | 'depth' | 'flat';
-
-/** A rectangle of the floor, m. */
-interface Rectangle {
-  left: number;
-  right: number;
-  front: number;
-  back: number;
-}
-
-/**
- * The part of the floor (z = 0) on which bodies within `spheres` (m) can cast shadows.
- * @param to_light unit vector  @param soft distance by which the edge of a shadow is softened, m
- */
-export function shadow_rectangle(spheres: readonly THREE.Sphere[], to_light: THREE.Vector3, soft: number): Rectangle {
-  const out = { left: Infinity, right: -Infinity, front: Infinity, back: -Infinity };
-  const [slope_x, slope_y] = [to_light.x / to_light.z, to_light.y / to_light.z];
-  for (const sphere of spheres) {
-    // the shadow of a sphere is an ellipse
-    const x = sphere.center.x - slope_x * sphere.center.z;
-    const y = sphere.center.y - slope_y * sphere.center.z;
-    const half_x = sphere.radius * Math.hypot(1, slope_x) + soft;
-    const half_y = sphere.radius * Math.hypot(1, slope_y) + soft;
-    out.left = Math.min(out.left, x - half_x);
-    out.right = Math.max(out.right, x + half_x);
-    out.front = Math.min(out.front, y - half_y);
-    out.back = Math.max(out.back, y + half_y);
-  }
-  return out;
-}
 
 /** Bounding sphere of a mesh in the world, m. */
 export function sphere_of(mesh: THREE.Mesh): THREE.Sphere {
@@ -137,8 +112,25 @@ export function sphere_of(mesh: THREE.Mesh): THREE.Sphere {
   return mesh.geometry.boundingSphere!.clone().applyMatrix4(mesh.matrixWorld);
 }
 
+/** A disc of radius 1: a circle up to the radius `inner`, and rings around it. */
+function rings(): THREE.BufferGeometry {
+  const at = [0, 0, 0];
+  const triangles: number[] = [];
+  for (let ring = 0; ring <= ring_count; ring++) {
+    const radius = inner + ((1 - inner) * ring) / ring_count;
+    for (let k = 0; k < sectors; k++) {
+      const [here, next] = [1 + ring * sectors + k, 1 + ring * sectors + ((k + 1) % sectors)];
+      const turn = (2 * Math.PI * k) / sectors;
+      at.push(radius * Math.cos(turn), radius * Math.sin(turn), 0);
+      if (ring === 0) triangles.push(0, here, next);
+      else triangles.push(here - sectors, here, next, here - sectors, next, next - sectors);
+    }
+  }
+  return new THREE.BufferGeometry().setAttribute('position', new THREE.Float32BufferAttribute(at, 3)).setIndex(triangles);
+}
+
 /**
- * The floor consists of a disc without shadows, and of one rectangular patch with shadows for each group of bodies. The shader of a patch
+ * The floor consists of a disc without shadows, and of one patch with shadows for each group of bodies. The shader of a patch
  * takes twice the time of the disc's shader, which matters on machines without a graphics processor.
  */
 export class Floor {
@@ -155,10 +147,10 @@ export class Floor {
   };
   private readonly disc: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>;
   private readonly patches: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>;
-  private readonly rings = new THREE.RingGeometry(0, 1, 48, ring_count);
-  private readonly whole = new THREE.CircleGeometry(1, 48);
+  private readonly rings = rings();
+  private readonly whole = new THREE.CircleGeometry(1, sectors);
   private has_lines = true;
-  private readonly corners = new THREE.BufferAttribute(new Float32Array(18 * max_patches), 3).setUsage(THREE.DynamicDrawUsage);
+  private readonly corners = new THREE.BufferAttribute(new Float32Array(3 * outline_vertices * max_patches), 3).setUsage(THREE.DynamicDrawUsage);
 
   private readonly lines = new FloorLines(this.uniforms);
 
@@ -201,11 +193,13 @@ export class Floor {
     const every = all.flat();
     const lists = all.length <= max_patches ? all : [every];
     lists.forEach((spheres, i) => {
-      const { left, right, front, back } = shadow_rectangle(spheres, to_light, soft);
-      this.corners.array.set([left, front, 0, right, front, 0, right, back, 0, left, front, 0, right, back, 0, left, back, 0], 18 * i);
+      const outline = shadow_outline(spheres, to_light, soft);
+      let at = i * outline_vertices;
+      for (let k = 2; k < outline_corners; k++)
+        for (const corner of [0, k - 1, k]) this.corners.setXY(at++, outline[2 * corner]!, outline[2 * corner + 1]!);
     });
     this.corners.needsUpdate = true;
-    this.patches.geometry.setDrawRange(0, 6 * lists.length);
+    this.patches.geometry.setDrawRange(0, outline_vertices * lists.length);
     return every;
   }
 

@@ -17,7 +17,9 @@ function change(chunk: keyof typeof THREE.ShaderChunk, from: string | RegExp, to
 // one point more, sine and cosine.
 const offsets = [[1, 3], [3, -1], [-1, -3], [-3, 1]].map(([x, y]) => `vec2(${(x! / 4).toFixed(2)}, ${(y! / 4).toFixed(2)})`);
 const sum = offsets.map((offset) => `texture(shadowMap, vec3(shadowCoord.xy + radius * ${offset}, shadowCoord.z))`).join(' + ');
-change('shadowmap_pars_fragment', /if \( frustumTest \) \{[^]*?\* 0\.2;\s*\}/, () => `vec2 radius = shadowRadius / shadowMapSize;\nif (frustumTest) shadow = 0.25 * (${sum});`);
+/** GLSL: share of the light that reaches `shadowCoord` in `shadowMap`. @param radius vec2, of the soft edge, relative to the size of the map */
+export const soft_shadow = `0.25 * (${sum})`;
+change('shadowmap_pars_fragment', /if \( frustumTest \) \{[^]*?\* 0\.2;\s*\}/, () => `vec2 radius = shadowRadius / shadowMapSize;\nif (frustumTest) shadow = ${soft_shadow};`);
 
 /** GLSL: the displayed (sRGB) colour of a linear one. */
 export const displayed = 'vec3 displayed(vec3 c) { return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }';
