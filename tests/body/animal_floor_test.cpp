@@ -96,31 +96,35 @@ MeasuredMotion standing_dog() {
   return dog;
 }
 
-/// Expects all paws of an animal on the floor in the first frame.
-void expect_paws_on_floor(const MeasuredMotion& dog) {
+/// Expects that an animal has four links of a kind, which stand on the floor in the first frame.
+void expect_on_floor(const MeasuredMotion& dog, bool (*chosen)(const Link&)) {
   const auto body = make_body(dog);
   ASSERT_TRUE(body) << body.error().text();
   ASSERT_EQ(body->anatomy.plan, "four legs");
   const Motion motion = to_motion(*body, dog);
   std::vector<Pose> X(static_cast<std::size_t>(body->mechanism->link_count()));
   calc_poses(*body->mechanism, {motion.frame(0), static_cast<std::size_t>(motion.nq)}, X);
-  int paws = 0;
+  int count = 0;
   for (std::size_t i = 0; i < X.size(); ++i) {
     const Link& link = body->mechanism->link(static_cast<int>(i));
-    if (!link.label.starts_with("paw") && !link.label.starts_with("hock") && !link.label.starts_with("carpus")) continue;
+    if (!chosen(link)) continue;
     double low = 1e300;
     for (const SupportPoint& p : support_points(link)) low = std::min(low, (X[i] * p.p).z - p.radius);
-    EXPECT_NEAR(low, 0, 0.02) << link.label;
-    ++paws;
+    EXPECT_NEAR(low, 0, 0.02) << link.name;
+    ++count;
   }
-  EXPECT_EQ(paws, 4);
+  EXPECT_EQ(count, 4);
+}
+
+bool is_paw(const Link& link) {
+  return link.label.starts_with("paw") || link.label.starts_with("hock") || link.label.starts_with("carpus");
 }
 
 TEST(AnimalFloor, ATailBelowThePawsDoesNotLiftTheAnimal) {
   MeasuredMotion dog = standing_dog();
   for (SkeletonJoint& j : dog.skeleton.joints)
     if (j.name == "Tail") j.end_sites = {{-0.1, 0, -0.52}};  // 6 cm below the paws
-  expect_paws_on_floor(dog);
+  expect_on_floor(dog, is_paw);
 }
 
 // The fore limbs have no joint below the carpus, 11 cm above the floor.
@@ -133,7 +137,7 @@ TEST(AnimalFloor, PawsWithoutAJointBelowTheAnkleReachTheFloor) {
     dog.skeleton.joints[i].offset.z += 0.055;
     for (std::size_t f = 0; f < static_cast<std::size_t>(dog.frames); ++f) dog.translations[f * n + i].z += 0.055;
   }
-  expect_paws_on_floor(dog);
+  expect_on_floor(dog, is_paw);
 }
 
 // The paws are ends without a bone, as in rigs whose paws are targets of inverse kinematics. Those of the fore limbs are 9 cm too high.
@@ -147,22 +151,7 @@ TEST(AnimalFloor, LimbsWhosePawsHaveNoBoneReachTheFloor) {
     dog.skeleton.joints[i].offset.z += 0.09;
     for (std::size_t f = 0; f < static_cast<std::size_t>(dog.frames); ++f) dog.translations[f * n + i].z += 0.09;
   }
-  const auto body = make_body(dog);
-  ASSERT_TRUE(body) << body.error().text();
-  ASSERT_EQ(body->anatomy.plan, "four legs");
-  const Motion motion = to_motion(*body, dog);
-  std::vector<Pose> X(static_cast<std::size_t>(body->mechanism->link_count()));
-  calc_poses(*body->mechanism, {motion.frame(0), static_cast<std::size_t>(motion.nq)}, X);
-  int shanks = 0;
-  for (std::size_t i = 0; i < X.size(); ++i) {
-    const Link& link = body->mechanism->link(static_cast<int>(i));
-    if (!link.name.ends_with("LowerLeg.L") && !link.name.ends_with("LowerLeg.R")) continue;
-    double low = 1e300;
-    for (const SupportPoint& p : support_points(link)) low = std::min(low, (X[i] * p.p).z - p.radius);
-    EXPECT_NEAR(low, 0, 0.02) << link.name;
-    ++shanks;
-  }
-  EXPECT_EQ(shanks, 4);
+  expect_on_floor(dog, [](const Link& link) { return link.name.ends_with("LowerLeg.L") || link.name.ends_with("LowerLeg.R"); });
 }
 
 TEST(AnimalFloor, AnAnimalThatHardlyStandsCountsInAllFrames) {

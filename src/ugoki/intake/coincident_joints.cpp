@@ -25,8 +25,8 @@ std::vector<char> needed(const body::Character& character, std::size_t joints) {
   return out;
 }
 
-/// True if the joint turns relative to its parent. A body has a degree of freedom even where a joint turns only by rounding errors of its
-/// file.
+/// True if the joint turns relative to its parent. Rounding errors of the file count too: a body has a degree of freedom for every joint that
+/// turns at all.
 bool turns(std::span<const MeasuredMotion> motions, std::size_t i) {
   constexpr double turned = 1e-9;  // rad
   const Quat first = motions[0].rotations[i].conjugate();
