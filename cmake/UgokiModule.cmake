@@ -72,9 +72,10 @@ function(ugoki_module name)
   set_property(GLOBAL PROPERTY UGOKI_DEPENDS_${name} "${ARG_DEPENDS}")
 endfunction()
 
-# ugoki_test(<module> SOURCES <files>... [DEPENDS <modules>...] [LIBS <targets>...]): adds one GoogleTest program for a module.
+# ugoki_test(<module> SOURCES <files>... [DEPENDS <modules>...] [LIBS <targets>...] [OPTIMISED]): adds one GoogleTest program for a module.
+# OPTIMISED: the tests compute much themselves, such as reference solutions or long random sequences.
 function(ugoki_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "OPTIMISED" "" "SOURCES;DEPENDS;LIBS" ${ARGN})
   find_package(GTest REQUIRED)
   find_package(nlohmann_json REQUIRED)
   add_executable(ugoki_${name}_test ${ARG_SOURCES})
@@ -85,10 +86,16 @@ function(ugoki_test name)
     target_link_libraries(ugoki_${name}_test PRIVATE ugoki_${dep})
   endforeach()
   target_link_libraries(ugoki_${name}_test PRIVATE ugoki_settings GTest::gtest_main ${ARG_LIBS})
-  # -O1: the code of tests compiles in half the time and runs nearly as fast. The bits are those of -O3 (-ffp-contract=off).
-  set(optimise $<$<CONFIG:Release>:-O1>)
+  # In release builds, code of tests is optimised only where it computes much, because unoptimised code compiles in half the time.
+  # The floating-point bits are equal (-ffp-contract=off).
+  set(kind test)
+  set(optimise $<$<CONFIG:Release>:-O0>)
+  if(ARG_OPTIMISED)
+    set(kind optimised_test)
+    set(optimise $<$<CONFIG:Release>:-O1>)
+  endif()
   target_compile_options(ugoki_${name}_test PRIVATE ${optimise})
-  use_precompiled(ugoki_${name}_test test LIBS GTest::gtest nlohmann_json::nlohmann_json HEADERS <gtest/gtest.h> <nlohmann/json.hpp> OPTIONS ${optimise})
+  use_precompiled(ugoki_${name}_test ${kind} LIBS GTest::gtest nlohmann_json::nlohmann_json HEADERS <gtest/gtest.h> <nlohmann/json.hpp> OPTIONS ${optimise})
   target_compile_definitions(ugoki_${name}_test PRIVATE
     UGOKI_SHARED_DATA="${PROJECT_SOURCE_DIR}/../shared/data" UGOKI_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   add_test(NAME ${name} COMMAND ugoki_${name}_test --gtest_filter=-Slow*)
