@@ -8,8 +8,8 @@
 
 #include "../motion_edit/characters.h"
 #include "keyed_jump.h"
-#include "ugoki/correction/band.h"
 #include "ugoki/dynamics/dynamics.h"
+#include "ugoki/motion/band.h"
 #include "ugoki/motion_edit/foot_contacts.h"
 #include "ugoki/motion_edit/foot_lock.h"
 #include "ugoki/samples/samples.h"
@@ -47,6 +47,16 @@ TEST(BandLeastSquares, GradientIsZeroAtTheSolution) {
     for (std::size_t k = 0; k < 3 && t.first + k < n; ++k) gradient[t.first + k] += t.weight * error * t.c[k];
   }
   for (const double g : gradient) EXPECT_NEAR(g, 0, 1e-12);
+}
+
+TEST(Correction, MotionThatNeverTouchesTheFloorIsReturned) {
+  Character c = walk();
+  for (int f = 0; f < c.motion.frames; ++f) c.motion.frame(f)[2] += 2;
+  CorrectOptions options;
+  options.level_floor = false;
+  const auto out = correct_motion(c.m(), c.motion, options);
+  ASSERT_TRUE(out) << out.error().text();
+  EXPECT_EQ(out->frames, c.motion.frames);
 }
 
 TEST(Correction, FlightsAreParabolasWithConstantMomentum) {

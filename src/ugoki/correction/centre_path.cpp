@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ugoki/correction/band.h"
+#include "ugoki/motion/band.h"
 
 namespace ugoki::correction {
 namespace {
@@ -40,6 +40,7 @@ Flight free_part(const Observation& o, Flight flight, double gravity) {
 
 /// Convex hull in the plane, counterclockwise (Andrew's monotone chain).
 std::vector<Vec3> hull_of(std::vector<Vec3> points) {
+  if (points.empty()) return {};
   std::ranges::sort(points, [](const Vec3& a, const Vec3& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
   std::vector<Vec3> hull;
   for (int side = 0; side < 2; ++side) {

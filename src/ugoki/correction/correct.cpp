@@ -101,10 +101,12 @@ class Correction {
     report_.replaced_frames = remove_pops(m_, out);
     remove_jitter(m_, out, o_.smoothing);
     if (!go_on(0.1)) return cancelled();
-    const Vec3 travel = find_missing_travel(m_, out, contacts.feet);
-    report_.travel = norm(travel);
-    for (Motion* motion_of : {&original, &out})
-      for (int f = 0; f < out.frames; ++f) displace(m_, {Mat3::identity(), travel * ((f - origin_) / out.rate)}, motion_of->frame(f));
+    const MissingTravel travel = find_missing_travel(m_, out, contacts.feet);
+    report_.travel = norm(travel.velocity);
+    if (travel.exists())
+      for (Motion* motion_of : {&original, &out})
+        for (int f = 0; f < out.frames; ++f)
+          displace(m_, {Mat3::identity(), travel.shift[at(f)] - travel.shift[at(std::min(origin_, out.frames - 1))]}, motion_of->frame(f));
     if (o_.level_floor) {
       const FloorPlane floor = find_floor(m_, out, contacts.feet);
       report_.floor_height = floor.height;

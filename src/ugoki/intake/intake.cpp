@@ -244,6 +244,7 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   const double unit_before = out.metres_per_unit;
   set_size(motions, whole.plan == body::BodyPlan::four_legs ? whole : character, *species, notes, options, out);
   if (out.metres_per_unit != unit_before) skin.scale(out.metres_per_unit / unit_before);
+  character.leg_length *= out.metres_per_unit / unit_before;
   // Parts and size follow from all motions of the file, so that they do not depend on the chosen one.
   if (take) motions = {std::move(motions[*take])};
   std::vector<std::string> checks;
@@ -253,17 +254,19 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   std::vector<char> on_belt(motions.size(), 0);
   for (std::size_t i = 0; i < motions.size(); ++i) {
     MeasuredMotion& m = motions[i];
-    if (const std::optional<Vec3> belt = belt_velocity(character, m)) {
+    if (const MissingTravel travel = find_missing_travel(character, m); travel.exists()) {
       out.walks_in_place = true;
-      const std::string speed = to_fixed(norm(*belt), 2) + " m/s";
+      const std::string speed = to_fixed(norm(travel.velocity), 2) + " m/s";
       if (options.travel) {
-        add_travel(m, *belt);
+        add_travel(m, travel.shift);
         notes.remarks.push_back(m.name + ": a travel of " + speed +
+                                (travel.steady ? "" : " on the average, with the changing speed of its standing feet,") +
                                 " was added, because the character walks in place and its standing feet slide.");
       } else {
         on_belt[i] = 1;
         checks.push_back(
             m.name + ": the character walks in place (on a treadmill); its standing feet slide at " + speed +
+            (travel.steady ? "" : " on the average") +
             ". Under dynamics it will fall. Add the travel of its steps (in the studio: Add travel; on the command line: --travel).");
       }
     }

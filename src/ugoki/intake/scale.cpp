@@ -44,53 +44,34 @@ std::optional<double> unit_by_height(const body::Character& character, double me
   return best;
 }
 
-std::optional<Vec3> belt_velocity(const body::Character& character, const MeasuredMotion& motion) {
-  if (character.plan == body::BodyPlan::other || motion.frames < 10 || !(character.leg_length > 0)) return std::nullopt;
+MissingTravel find_missing_travel(const body::Character& character, const MeasuredMotion& motion) {
+  if (character.plan == body::BodyPlan::other) return {};
   std::vector<int> feet;
   for (const body::Limb& l : character.legs) feet.push_back(l.tip >= 0 ? l.tip : l.end);
   if (character.plan == body::BodyPlan::four_legs)
     for (const body::Limb& l : character.arms) feet.push_back(l.tip >= 0 ? l.tip : l.end >= 0 ? l.end : l.distal);
   const std::vector<std::vector<Pose>> world = world_of(motion);
   const int span = std::max(1, static_cast<int>(0.03 * motion.rate));
-  std::vector<double> vx, vy;
+  std::vector<Vec3> body;
+  for (const auto& X : world) body.push_back(X[at(character.pelvis)].p);
+  std::vector<FootTrack> tracks;
   for (const int foot : feet) {
-    std::vector<double> heights;
-    for (const auto& X : world) heights.push_back(X[at(foot)].p.z);
-    std::vector<double> sorted = heights;
-    const auto low = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 3);
-    std::nth_element(sorted.begin(), low, sorted.end());
-    for (int f = span; f + span < motion.frames; ++f) {
-      if (heights[at(f)] > *low) continue;
-      const Vec3 v = (world[at(f + span)][at(foot)].p - world[at(f - span)][at(foot)].p) * (motion.rate / (2 * span));
-      vx.push_back(v.x);
-      vy.push_back(v.y);
+    FootTrack& track = tracks.emplace_back();
+    for (int f = 0; f < motion.frames; ++f) {
+      const int before = std::max(0, f - span), after = std::min(motion.frames - 1, f + span);
+      track.height.push_back(world[at(f)][at(foot)].p.z);
+      track.velocity.push_back((world[at(after)][at(foot)].p - world[at(before)][at(foot)].p) *
+                               (motion.rate / std::max(1, after - before)));
     }
   }
-  if (vx.size() < 10) return std::nullopt;
-  const auto quantile = [](std::vector<double>& v, double share) {
-    const auto k = v.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(v.size() - 1));
-    std::nth_element(v.begin(), k, v.end());
-    return *k;
-  };
-  const Vec3 belt{quantile(vx, 0.5), quantile(vy, 0.5), 0};
-  const double speed = norm(belt), scale = character.leg_length;
-  if (speed < 0.35 * scale) return std::nullopt;  // for a person this is about 0.3 m/s
-  // Most standing feet must move in the same direction.
-  const Vec3 along = belt / speed;
-  int alike = 0;
-  for (std::size_t k = 0; k < vx.size(); ++k) alike += vx[k] * along.x + vy[k] * along.y > 0.5 * speed ? 1 : 0;
-  if (alike < static_cast<int>(0.7 * static_cast<double>(vx.size()))) return std::nullopt;
-  // The character must stay in place: it travels less than a third of the distance that the belt moves.
-  const Vec3 moved = world.back()[at(character.pelvis)].p - world.front()[at(character.pelvis)].p;
-  if (norm(Vec3{moved.x, moved.y, 0}) > 0.33 * speed * motion.duration() + 0.1 * scale) return std::nullopt;
-  return belt;
+  return ugoki::find_missing_travel(tracks, body, motion.rate, character.leg_length);
 }
 
-void add_travel(MeasuredMotion& motion, const Vec3& velocity) {
+void add_travel(MeasuredMotion& motion, const std::vector<Vec3>& shift) {
   const std::size_t n = motion.skeleton.joints.size();
   for (std::size_t f = 0; f < at(motion.frames); ++f)
     for (std::size_t i = 0; i < n; ++i)
-      if (motion.skeleton.joints[i].parent < 0) motion.translations[f * n + i] += velocity * (-static_cast<double>(f) / motion.rate);
+      if (motion.skeleton.joints[i].parent < 0) motion.translations[f * n + i] += shift[f];
 }
 
 Lowered lower_to_floor(MeasuredMotion& measured, const body::Body& body) {
@@ -105,7 +86,7 @@ Lowered lower_to_floor(MeasuredMotion& measured, const body::Body& body) {
       if (measured.skeleton.joints[j].parent < 0) measured.translations[f * n + j].z -= heights[f];
   const double highest = *std::ranges::max_element(heights);
   return {measured.name + ": the character was lowered by up to " + to_fixed(100 * highest, 1) +
-              " cm where it hovers above the floor without falling.",
+              " cm where it hovers above the floor without falling, or falls faster than gravity.",
           highest > far * body.height};
 }
 

@@ -6,6 +6,7 @@
 
 #include "ugoki/body/body.h"
 #include "ugoki/body/recognise.h"
+#include "ugoki/motion/missing_travel.h"
 #include "ugoki/motion/skeleton.h"
 
 namespace ugoki::intake {
@@ -18,11 +19,11 @@ namespace ugoki::intake {
 /// If no usual unit does, the unit gives a height of 1.7 m.
 /// @return nothing if the height is plausible
 [[nodiscard]] std::optional<double> unit_by_height(const body::Character& character, double metres_per_unit, bool trusted);
-/// Velocity [m/s, horizontal] of the floor under a character that walks in place (on a treadmill, or an animation without travel): the
-/// standing feet move with it while the character stays. Nothing if the character travels, or its standing feet do not move.
-[[nodiscard]] std::optional<Vec3> belt_velocity(const body::Character& character, const MeasuredMotion& motion);
-/// Adds the displacement -velocity * time to the roots, so that feet that stand on the belt stand on the floor.
-void add_travel(MeasuredMotion& motion, const Vec3& velocity);
+/// Travel of a character that walks in place (on a treadmill, or an animation without travel): its standing feet slide while the character
+/// stays. Does not exist if the character travels, or its standing feet do not move.
+[[nodiscard]] MissingTravel find_missing_travel(const body::Character& character, const MeasuredMotion& motion);
+/// Displaces the roots. @param shift [frames] m
+void add_travel(MeasuredMotion& motion, const std::vector<Vec3>& shift);
 
 /// Result of lower_to_floor().
 struct Lowered {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ugoki/base/number.h"
+#include "ugoki/intake/lowering.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/contact_labels.h"
 #include "ugoki/spatial/elementary.h"
@@ -97,27 +98,43 @@ std::string describe_unbalanced_rest(const std::string& name, const std::vector<
          "it falls there.";
 }
 
-/// A sentence about frames in which the centre of mass accelerates downwards much faster than gravity; empty if they are few.
-/// @param centre m, centre of mass of each frame  @param dt s, between the frames
-std::string describe_pull(const std::string& name, const std::vector<Vec3>& centre, double dt) {
-  constexpr double window = 0.08, gravity = 9.81, pulled = 1.5 * gravity, few = 0.05;  // s, m/s^2, m/s^2, share of the frames
+/// Frames in which the centre of mass accelerates downwards much faster than gravity.
+struct Pull {
+  std::size_t count = 0, first = 0;
+  double fastest = 0;  ///< m/s^2
+  [[nodiscard]] double share(std::size_t frames) const {
+    return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, frames));
+  }
+};
+
+constexpr double gravity = 9.81, few_pulled = 0.05;  // m/s^2, share of the frames
+
+/// @param height [frames] m, of the centre of mass  @param dt s, between the frames
+Pull find_pull(const std::vector<double>& height, double dt) {
+  constexpr double window = 0.08, pulled = 1.5 * gravity;  // s, m/s^2
   const std::size_t half = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(window / dt)));
   const double h = static_cast<double>(half) * dt;
-  std::size_t count = 0, first = 0;
-  double fastest = 0;
-  for (std::size_t k = half; k + half < centre.size(); ++k) {
-    const double down = -(centre[k + half].z - 2 * centre[k].z + centre[k - half].z) / (h * h);
+  Pull out;
+  for (std::size_t k = half; k + half < height.size(); ++k) {
+    const double down = -(height[k + half] - 2 * height[k] + height[k - half]) / (h * h);
     if (down < pulled) continue;
-    if (count++ == 0) first = k;
-    fastest = std::max(fastest, down);
+    if (out.count++ == 0) out.first = k;
+    out.fastest = std::max(out.fastest, down);
   }
-  const double share = static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, centre.size()));
-  if (share < few) return {};
-  return name + ": in " + to_fixed(100 * share, 0) + " % of the frames (first at " + to_fixed(static_cast<double>(first) * dt, 2) +
-         " s) the centre of mass accelerates downwards with up to " + to_fixed(fastest / gravity, 1) +
+  return out;
+}
+
+/// A sentence about such frames; empty if they are few.
+std::string describe_pull(const std::string& name, const std::vector<Vec3>& centre, double dt) {
+  std::vector<double> height;
+  for (const Vec3& c : centre) height.push_back(c.z);
+  const Pull pull = find_pull(height, dt);
+  if (pull.share(height.size()) < few_pulled) return {};
+  return name + ": in " + to_fixed(100 * pull.share(height.size()), 0) + " % of the frames (first at " +
+         to_fixed(static_cast<double>(pull.first) * dt, 2) + " s) the centre of mass accelerates downwards with up to " +
+         to_fixed(pull.fastest / gravity, 1) +
          " times gravity. Nothing but gravity pulls a character down: under dynamics its feet leave the floor there, and it cannot follow "
-         "the "
-         "motion exactly.";
+         "the motion exactly.";
 }
 
 /// A sentence about parts of the body far below the floor; empty if they are there in few frames.
@@ -226,58 +243,39 @@ std::string describe_missing_support(const Mechanism& mechanism, const Motion& m
 
 std::vector<double> hovering_heights(const Mechanism& mechanism, const Motion& motion, double height) {
   // As in describe_missing_support(): a gap that soft paws do not explain, and a third of gravity.
-  constexpr double gap = 0.03, falling = -0.35 * 9.81, window = 0.08, highest = 0.5, longest = 1.0, smoothing = 0.05;
+  constexpr double gap = 0.03, falling = -0.35 * 9.81, window = 0.08, highest = 0.5, longest = 1.0;
   const int n = motion.frames, half = std::max(1, static_cast<int>(std::lround(window * motion.rate)));
   if (n < 2 * half + 2) return {};
   std::vector<std::vector<SupportPoint>> points;
   for (const Link& link : mechanism.links()) points.push_back(support_points(link));
   std::vector<Pose> X(static_cast<std::size_t>(mechanism.link_count()));
-  std::vector<double> low, root;
+  std::vector<double> low, root, centre;
   for (int f = 0; f < n; ++f) {
     calc_poses(mechanism, {motion.frame(f), static_cast<std::size_t>(motion.nq)}, X);
     low.push_back(lowest_height(points, X));
     root.push_back(X[0].p.z);
+    centre.push_back(centre_of_mass(mechanism, X).z);
   }
   const auto at = [](const std::vector<double>& v, int i) { return v[static_cast<std::size_t>(i)]; };
   // The second difference over `half` frames does not see the first and last frames of a flight phase.
-  std::vector<char> flight(static_cast<std::size_t>(n), 0);
+  std::vector<std::uint8_t> flight(static_cast<std::size_t>(n), 0);
   for (int m = half; m < n - half; ++m) {
     const double h = half / motion.rate;
     if ((at(root, m + half) - 2 * at(root, m) + at(root, m - half)) / (h * h) > falling) continue;
     for (int f = m - half; f <= m + half; ++f) flight[static_cast<std::size_t>(f)] = 1;
   }
-  std::vector<double> lift(static_cast<std::size_t>(n), -1);  // m, of frames that are not in flight
   int run = 0;
   bool hovers = false;
   for (int f = 0; f < n; ++f) {
     const bool high = at(low, f) > gap * height;
     if (high && flight[static_cast<std::size_t>(f)] != 0) continue;
+    flight[static_cast<std::size_t>(f)] = 0;
     run = high ? run + 1 : 0;
     hovers = hovers || high;
     if (high && (at(low, f) > highest * height || run > longest * motion.rate)) return {};
-    lift[static_cast<std::size_t>(f)] = std::max(0.0, at(low, f));
   }
-  if (!hovers) return {};
-  // Flight phases: linear between the frames before and after.
-  for (int f = 0; f < n; ++f) {
-    if (at(lift, f) >= 0) continue;
-    int end = f;
-    while (end < n && at(lift, end) < 0) ++end;
-    const double before = f > 0 ? at(lift, f - 1) : end < n ? at(lift, end) : 0, after = end < n ? at(lift, end) : before;
-    for (int k = f; k < end; ++k) lift[static_cast<std::size_t>(k)] = before + (after - before) * (k - f + 1) / (end - f + 1);
-  }
-  const int reach = std::max(1, static_cast<int>(std::lround(smoothing * motion.rate)));
-  std::vector<double> out(lift.size());
-  for (int f = 0; f < n; ++f) {
-    double sum = 0, weight = 0;
-    for (int k = std::max(0, f - reach); k <= std::min(n - 1, f + reach); ++k) {
-      const double w = reach + 1 - std::abs(k - f);
-      sum += w * at(lift, k);
-      weight += w;
-    }
-    out[static_cast<std::size_t>(f)] = sum / weight;
-  }
-  return out;
+  if (!hovers && find_pull(centre, 1 / motion.rate).share(centre.size()) < few_pulled) return {};
+  return physical_lowering(low, flight, centre, motion.rate);
 }
 
 }  // namespace ugoki::intake

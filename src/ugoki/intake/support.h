@@ -17,7 +17,7 @@ namespace ugoki::intake {
 [[nodiscard]] std::string describe_missing_support(const Mechanism& mechanism, const Motion& motion, double height, bool on_belt = false);
 
 /// Heights by which a person or animal hovers: its lowest point is above the floor although it does not fall, as in hand-animated motions
-/// whose root bobs more than the legs reach. The heights are interpolated through flight phases and smoothed over 0.1 s. Empty if the
+/// whose root bobs more than the legs reach. Flights of the motion stay, and no fall is faster than gravity (lowering.h). Empty if the
 /// animal does not hover, or if it hovers so high or so long that something else carries it (more than half of its height, or 1 s).
 /// @param height m, of the character @return [frames] m
 [[nodiscard]] std::vector<double> hovering_heights(const Mechanism& mechanism, const Motion& motion, double height);

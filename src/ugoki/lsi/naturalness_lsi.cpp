@@ -45,7 +45,8 @@ struct Naturalness {
   std::vector<int> foot_of_link;              // [links] index of the foot (toes and heel are one foot); -1: none
   std::vector<std::uint8_t> bears;            // [feet] 1: the foot touches the ground now
   int foot_count = 0;
-  double upright = 0;  // m: height of the root above the lowest link in the neutral position
+  /// m: height of the root above the lowest link in the neutral position; half of the height of all links if the root is on the floor
+  double upright = 0;
 };
 
 /// Returns the sum [rad^2], over all joints that can rotate, of the squared angle between joint and reference. A floating root is left out.
@@ -244,9 +245,13 @@ void* make(Setup& s) {
   }
   self->bears.resize(static_cast<std::size_t>(self->foot_count));
   calc_poses(m, m.neutral(), self->poses);
-  double low = self->poses[0].p.z;
-  for (const Pose& pose : self->poses) low = std::min(low, pose.p.z);
+  double low = self->poses[0].p.z, high = low;
+  for (const Pose& pose : self->poses) {
+    low = std::min(low, pose.p.z);
+    high = std::max(high, pose.p.z);
+  }
   self->upright = std::max(0.05, self->poses[0].p.z - low);
+  if (self->upright < 0.25 * (high - low)) self->upright = 0.5 * (high - low);  // rigs can have their root on the floor
   return self;
 }
 

@@ -1,10 +1,10 @@
 #pragma once
-// Least squares with a symmetric band matrix. Internal to correction.
+// Least squares with a symmetric band matrix.
 
 #include <array>
 #include <vector>
 
-namespace ugoki::correction {
+namespace ugoki {
 
 /// Sum of squares of linear terms, each of up to three neighbouring unknowns, and its minimum. O(unknowns)
 class BandLeastSquares {
@@ -23,4 +23,4 @@ class BandLeastSquares {
   std::vector<double> right_;
 };
 
-}  // namespace ugoki::correction
+}  // namespace ugoki

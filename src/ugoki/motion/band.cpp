@@ -1,6 +1,6 @@
-#include "ugoki/correction/band.h"
+#include "ugoki/motion/band.h"
 
-namespace ugoki::correction {
+namespace ugoki {
 
 void BandLeastSquares::add(std::size_t first, const std::array<double, 3>& c, double value, double weight) {
   for (std::size_t i = 0; i < 3; ++i) {
@@ -28,4 +28,4 @@ std::vector<double> BandLeastSquares::solve() const {
   return x;
 }
 
-}  // namespace ugoki::correction
+}  // namespace ugoki
