@@ -30,7 +30,9 @@ constexpr std::array optional_fields = {"characters/*/track/*/gait/stages/*/spee
                                         "characters/*/solo",
                                         "characters/*/locked",
                                         "characters/*/prop/mesh",
+                                        "characters/*/prop/seed",
                                         "events/*/push/force/*",
+                                        "events/*/push/axes",
                                         "events/*/pull/path/*/*",
                                         "events/*/throw/spin/*",
                                         "events/*/grab/reach",
@@ -45,6 +47,7 @@ constexpr std::array optional_fields = {"characters/*/track/*/gait/stages/*/spee
                                         "rules/*/if/*/time/not",
                                         "rules/*/do/play/motion",
                                         "rules/*/do/push/duration",
+                                        "rules/*/do/push/axes",
                                         "rules/*/do/grab/limit",
                                         "rules/*/do/release/link",
                                         "rules/*/do/set/change",
@@ -313,7 +316,7 @@ TEST_F(CommandsTest, RandomCommandsReachEveryTypeAndItem) {
   testing::RandomCommands random(seed);
   testing::FieldNames fields;
   std::map<std::string_view, int> applied;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 4000; ++i) {
     const std::string command = random.next(document);
     auto effect = apply_command(document, command, known, next_id);
     if (!effect || effect->scenario == document) continue;

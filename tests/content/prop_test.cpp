@@ -112,6 +112,73 @@ TEST_F(PropTest, RampHasCoulombFriction) {
   EXPECT_NEAR(slide(0.5), 0, 1e-3);
 }
 
+TEST_F(PropTest, TerrainHasHillsOfItsSize) {
+  Prop p;
+  p.shape = PropShape::terrain;
+  p.size = {8, 5, 0.6};
+  p.grain = 1.5;
+  const HeightFieldPtr a = make_prop(p)->link(0).shapes.at(0).field;
+  ASSERT_TRUE(a);
+  EXPECT_EQ(a->half_x, 4);
+  EXPECT_EQ(a->lowest, 0);
+  EXPECT_NEAR(a->highest, 0.6, 1e-15);
+  for (int c = 0; c < a->columns; ++c) EXPECT_EQ(a->point(c, 0).z, 0) << "the border is at the height of the floor";
+  for (int r = 0; r < a->rows; ++r) EXPECT_EQ(a->point(a->columns - 1, r).z, 0);
+  // neighbouring hills are about a grain apart: the heights cross their mean about once in each grain
+  double mean = 0, crossings = 0;
+  for (const double h : a->heights) mean += h / static_cast<double>(a->heights.size());
+  for (int r = 5; r < a->rows - 5; ++r)
+    for (int c = 1; c < a->columns; ++c) crossings += (a->point(c, r).z > mean) != (a->point(c - 1, r).z > mean);
+  const double in_grain = crossings / (a->rows - 10) / (p.size.x / p.grain);
+  EXPECT_GT(in_grain, 0.3);
+  EXPECT_LT(in_grain, 2);
+  // the same numbers give the same hills, and another seed gives others
+  EXPECT_EQ(make_prop(p)->link(0).shapes.at(0).field->hash, a->hash);
+  p.seed = 2;
+  EXPECT_NE(make_prop(p)->link(0).shapes.at(0).field->hash, a->hash);
+  p.size = {0.005, 1000, 0.005};  // the limits
+  p.grain = Prop::min_grain;
+  EXPECT_EQ(make_prop(p)->link(0).shapes.at(0).field->rows, 257);
+  EXPECT_NEAR(make_prop(p)->link(0).shapes.at(0).field->highest, 0.005, 1e-15);
+  p.grain = Prop::max_grain;  // much longer than the terrain is wide: still a hill
+  EXPECT_NEAR(make_prop(p)->link(0).shapes.at(0).field->highest, 0.005, 1e-15);
+  bad(R"("prop": {"shape": "terrain", "mass": 3})", ErrorCode::unsupported, "scenario/characters/0/prop/mass");
+  bad(R"("prop": {"shape": "terrain", "grain": 0})", ErrorCode::range, "scenario/characters/0/prop/grain");
+  bad(R"("prop": {"shape": "terrain", "seed": -1})", ErrorCode::range, "scenario/characters/0/prop/seed");
+  bad(R"("prop": {"shape": "terrain", "seed": 1.5})", ErrorCode::range, "command/prop/seed");
+}
+
+/// A box that falls onto a terrain comes to rest on it: its lowest corner touches the surface of the hills, and no corner is below it.
+TEST_F(PropTest, BodiesRestOnTerrain) {
+  document = Scenario();
+  add(R"("id": "hills", "prop": {"shape": "terrain", "size": [6, 6, 0.8], "grain": 3, "seed": 4, "friction": 1})");
+  add(R"("prop": {"shape": "box", "size": [0.2, 0.2, 0.1], "mass": 3, "friction": 1}, "place": {"x": 0.4, "y": -0.3, "z": 1.2})");
+  const HeightFieldPtr field = make_prop(*document.characters[0].prop)->link(0).shapes.at(0).field;
+  const auto height_at = [&](double x, double y) {  // bilinear between the grid points, close to the triangles
+    const double u = 0.5 * (x / field->half_x + 1) * (field->columns - 1), v = 0.5 * (y / field->half_y + 1) * (field->rows - 1);
+    const int c = static_cast<int>(u), r = static_cast<int>(v);
+    const double low = field->point(c, r).z * (1 - (u - c)) + field->point(c + 1, r).z * (u - c);
+    const double high = field->point(c, r + 1).z * (1 - (u - c)) + field->point(c + 1, r + 1).z * (u - c);
+    return low * (1 - (v - r)) + high * (v - r);
+  };
+  Player player = open();
+  Vec3 before;
+  while (player.time() < 4) {
+    EXPECT_TRUE(player.step());
+    if (player.time() < 3.5) before = {player.q(1)[0], player.q(1)[1], player.q(1)[2]};
+  }
+  const std::span<const double> q = player.q(1);
+  const Vec3 end{q[0], q[1], q[2]};
+  EXPECT_LT(norm(end - before), 2e-3) << "at rest";
+  EXPECT_GT(height_at(end.x, end.y), 0.02) << "not on the floor";
+  double lowest = 1;
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 corner = end + rotate({q[3], q[4], q[5], q[6]}, {k & 1 ? 0.1 : -0.1, k & 2 ? 0.1 : -0.1, k & 4 ? 0.1 : 0});
+    lowest = std::min(lowest, corner.z - height_at(corner.x, corner.y));
+  }
+  EXPECT_NEAR(lowest, 0, 3e-3);
+}
+
 /// A mechanism that is bolted to the world stands at the character's place, and moves there as it does at the origin.
 TEST_F(PropTest, FixedRootsHaveAPlace) {
   MechanismSpec spec;

@@ -176,6 +176,9 @@ class RandomCommands : public RandomItems {
       return R"({"shape": "mesh", "mesh": "m-table", "scale": )" + vector(0.5, 2) + R"(, "collision": )" +
              word({"hull", "parts", "surface"}) + R"(, "tilt": )" + vector(-90, 90) + R"(, "friction": )" + number(0, 2) +
              R"(, "restitution": )" + number(0, 1) + "}";
+    if (pick(7) == 0)
+      return R"({"shape": "terrain", "size": [)" + number(1, 9) + ", 4, " + number(0.1, 1) + R"(], "mass": )" + (pick(5) ? "0" : "3") +
+             R"(, "grain": )" + number(0.5, 4) + R"(, "seed": )" + std::to_string(pick(99)) + "}";
     return R"({"shape": ")" + std::string(std::array{"box", "ramp", "stairs", "cylinder", "sphere", "bar"}[pick(6)]) + R"(", "size": [)" +
            number(-0.05, 2) + ", 1, " + number(0.1, 3) + R"(], "mass": )" + (pick(2) ? "0" : number(0, 20)) + R"(, "steps": )" +
            std::to_string(pick(8)) + "}";

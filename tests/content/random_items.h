@@ -69,8 +69,8 @@ class RandomItems : public RandomValues {
     const std::string time = R"({"time": )" + number(0, 9);
     switch (type) {
       case EventType::push:
-        return time + R"(, "duration": )" + number(0.01, 2) + R"(, "link": )" + word({"leg", "pelvis"}) + R"(, "force": )" +
-               vector(-200, 200) + "}";
+        return time + R"(, "duration": )" + number(0.01, 2) + R"(, "link": )" + word({"leg", "pelvis"}) + R"(, "axes": )" +
+               word({"world", "body"}) + R"(, "force": )" + vector(-200, 200) + "}";
       case EventType::pull:
         return time + R"(, "duration": )" + number(0.01, 2) + R"(, "point": )" + vector(-0.1, 0.1) + R"(, "path": [[0, )" + number(0, 2) +
                ", 1, 1]]}";
@@ -112,7 +112,7 @@ class RandomItems : public RandomValues {
                R"(, "blend": )" + number(0, 1) + R"(, "loop": )" + boolean() + "}";
       case 1:
         return R"({"type": "push", "character": "human", "link": )" + word({"leg", "pelvis"}) + R"(, "force": )" + vector(-99, 99) +
-               R"(, "duration": )" + number(0.01, 1) + "}";
+               R"(, "axes": )" + word({"world", "body"}) + R"(, "duration": )" + number(0.01, 1) + "}";
       case 2:
         return R"({"type": "grab", "character": "human", "link": "leg", "other": )" + optional_id(s) + R"(, "other_link": )" +
                word({"", "ball"}) + R"(, "rigid": )" + boolean() + R"(, "limit": )" + number(100, 900) + "}";

@@ -50,6 +50,44 @@ TEST(GroundMap, FindsTheHeightOfRoundShapes) {
   EXPECT_EQ(sphere.below({1, 2, 0.4}).height, 0) << "a shape that contains the start of the ray is ignored";
 }
 
+/// Height fields, also turned about the vertical: against the intersection of the ray with each triangle.
+TEST(GroundMap, FindsTheTriangleOfAHeightField) {
+  HeightField field;
+  field.columns = 7;
+  field.rows = 5;
+  field.half_x = 2;
+  field.half_y = 1.2;
+  field.base = 0.5;
+  std::mt19937 random(3);
+  for (int i = 0; i < 35; ++i) field.heights.push_back(0.6 * static_cast<double>(random()) / 4294967296.0);
+  const HeightFieldPtr shared = make_height_field(field, "field").value();
+  const Pose X{rotation_about({0, 0, 1}, 0.7), {0.3, -0.2, 0.1}};
+  const GroundMap map = map_of({Shape::height_field(shared, X)}, 0.05);
+  int hits = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Vec3 from{5 * static_cast<double>(random()) / 4294967296.0 - 2.5, 4 * static_cast<double>(random()) / 4294967296.0 - 2, 1.5};
+    double height = 0.05;
+    Vec3 normal{0, 0, 1};
+    for (int r = 0; r + 1 < field.rows; ++r)
+      for (int c = 0; c + 1 < field.columns; ++c)
+        for (const bool upper : {false, true}) {
+          const Vec3 a = X * shared->point(c, r), b = X * (upper ? shared->point(c + 1, r + 1) : shared->point(c + 1, r)),
+                     d = X * (upper ? shared->point(c, r + 1) : shared->point(c + 1, r + 1));
+          const auto area = [&](const Vec3& p, const Vec3& q) { return (p.x - from.x) * (q.y - from.y) - (p.y - from.y) * (q.x - from.x); };
+          const double u = area(b, d), v = area(d, a), w = area(a, b), all = u + v + w;
+          if (!(u >= 0 && v >= 0 && w >= 0)) continue;
+          height = std::max(height, (u * a.z + v * b.z + w * d.z) / all);
+          normal = normalized(cross(b - a, d - a));
+        }
+    const GroundMap::Point found = map.below(from);
+    EXPECT_NEAR(found.height, height, 1e-12);
+    if (height > 0.05) EXPECT_NEAR(norm(found.normal - normal), 0, 1e-12);
+    hits += height > 0.05;
+  }
+  EXPECT_GT(hits, 150);
+  EXPECT_EQ(map.below({0.3, -0.2, 0.0}).height, 0.05) << "a shape that contains the start of the ray is ignored";
+}
+
 TEST(GroundMap, AgreesWithASearchWithoutATree) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> place(-4, 4), size(0.1, 0.8), angle(-1, 1);

@@ -210,6 +210,58 @@ export const prop_journeys = [
     },
   },
   {
+    name: 'props: hills of a terrain are sized and reseeded; a box rolls down and lies on them; all is undone',
+    async run({ page }) {
+      await set_mode(page, 'Edit');
+      await page.keyboard.press('Escape');
+      const before = await text_of(page);
+      const props = async () => (await document_of(page)).characters.filter((c) => c.prop);
+      const set = async (label, value, done) => {
+        const field = page.locator('.inspector').getByLabel(label, { exact: true });
+        await field.fill(String(value));
+        await field.press('Enter');
+        await until(page, done, `${label} = ${value}`);
+      };
+      const add = async (kind) => {
+        const known = (await props()).map((c) => c.id);
+        await page.getByRole('button', { name: '+ Prop' }).click();
+        await page.getByRole('menu', { name: 'Add a prop' }).getByRole('menuitem', { name: kind, exact: true }).click();
+        const made = await until(page, async () => (await props()).find((c) => !known.includes(c.id)), `the ${kind}`);
+        await page.locator('.inspector h3', { hasText: `Prop ${kind}` }).waitFor();
+        return made.id;
+      };
+      const terrain = await add('Terrain');
+      const prop = async () => (await props()).find((c) => c.id === terrain).prop;
+      const place = async () => (await props()).find((c) => c.id === terrain).place;
+      await set('Height', 0.5, async () => (await prop()).size[2] === 0.5);
+      await set('Grain', 1.5, async () => (await prop()).grain === 1.5);
+      await set('Seed', 7, async () => (await prop()).seed === 7);
+      await set('X', 3, async () => (await place()).x === 3);
+      await set('Y', 0, async () => (await place()).y === 0);
+      assert.equal(await page.locator('.inspector').getByLabel('Moves').count(), 0, 'a terrain does not move');
+      await blur(page);
+      await page.keyboard.press('0');
+      await page.keyboard.press('f');
+      await camera_rests(page);
+      await page.screenshot({ path: `${pictures}terrain.png` });
+      await toggle_theme(page);
+      await page.screenshot({ path: `${pictures}terrain-light.png` });
+      await toggle_theme(page);
+      const ball = await add('Box');
+      await page.locator('.inspector').getByRole('switch', { name: 'Moves' }).or(page.locator('.inspector').getByLabel('Moves')).first().click();
+      for (const [i, label] of ['Length', 'Width', 'Height'].entries()) await set(label, 0.3, async () => (await props()).find((c) => c.id === ball).prop.size[i] === 0.3);
+      await set('X', 3.2, async () => (await props()).find((c) => c.id === ball).place.x === 3.2);
+      await set('Y', 0.3, async () => (await props()).find((c) => c.id === ball).place.y === 0.3);
+      await set('Z', 0.9, async () => (await props()).find((c) => c.id === ball).place.z === 0.9);
+      await simulate_second(page);
+      const { com } = await hook(page, `character(${JSON.stringify(ball)})`);
+      assert.ok(com[2] > 0.16 && com[2] < 0.75, `the box lies on a hill: its centre is at ${com[2]} m`);
+      await page.screenshot({ path: `${pictures}terrain-simulated.png` });
+      await set_mode(page, 'Edit');
+      await undo_to(page, before);
+    },
+  },
+  {
     name: 'props: stairs, a ramp and a crate are added by mouse, sized and moved; the crate falls onto the stairs; all is undone',
     async run({ page }) {
       await set_mode(page, 'Edit');

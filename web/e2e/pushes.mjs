@@ -1,5 +1,6 @@
 // Journeys with events of the timeline: the arrow of a push in the viewport, and events at the same time.
 import assert from 'node:assert/strict';
+import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { blur, document_of, painted, rested, set_mode, text_of, undo_to, until } from './browser.mjs';
 import { mock } from './service.mjs';
@@ -13,8 +14,8 @@ const middle = async (locator) => {
 
 export const push_journeys = [
   {
-    name: 'push: the arrow of a push is dragged in the viewport as one undo step; Escape restores it',
-    async run({ page }) {
+    name: 'push: the arrow of a push is dragged in the viewport as one undo step; Escape restores it; body axes turn it with the link',
+    async run({ page, service }) {
       await set_mode(page, 'Edit');
       const before = await text_of(page);
       const count = JSON.parse(before).events.length;
@@ -50,7 +51,52 @@ export const push_journeys = [
       await page.keyboard.press('Control+z');
       await until(page, async () => (await text_of(page)) === added, 'one undo step');
 
+      // body axes: the arrow stays when the axes change, and then turns with the link
+      const now = async () => (await document_of(page)).events.find((e) => e.id === push.id);
+      const axes = page.getByRole('group', { name: 'Axes' });
+      const direction = async () => {
+        await rested(page);
+        const [a, b] = await page.locator('.event-arrow path').evaluate((path) => path.getAttribute('d').match(/^M([\d.-]+) ([\d.-]+)L([\d.-]+) ([\d.-]+)/).slice(1).map(Number)).then(([x, y, u, v]) => [[x, y], [u, v]]);
+        return [b[0] - a[0], b[1] - a[1]];
+      };
+      const world = await direction();
+      await axes.getByRole('button', { name: 'Body' }).click();
+      const body = await until(page, async () => { const e = await now(); return e.axes === 'body' && e; }, 'body axes');
+      assert.ok(Math.abs(Math.hypot(...body.force) - Math.hypot(...push.force)) < 0.3, `the force has the same size: ${body.force}`);
+      const kept = await direction();
+      assert.ok(Math.hypot(kept[0] - world[0], kept[1] - world[1]) < 3, `the arrow stays: ${world} and ${kept}`);
+      assert.match(await page.locator('.arrow-value').innerText(), /150 N, body axes/);
+      await page.screenshot({ path: `${pictures}push-body.png` });
+      // what is simulated in the studio is what `ugoki run` computes, and differs from a push in world axes
+      const project = join(service.folder, 'sample.ugoki');
+      const hash = async (steps) => {
+        await page.keyboard.press('Control+s');
+        await page.waitForTimeout(500);
+        return JSON.parse(service.run(['run', project, '--steps', String(steps), '--json']).stdout).state_hash;
+      };
+      const transport = () => page.evaluate(() => window.ugoki.transport());
+      await set_mode(page, 'Simulate');
+      await blur(page);
+      await page.keyboard.press('Control+Home');
+      await page.keyboard.press('Space');
+      await until(page, async () => (await transport()).simulated > push.time + 0.5, 'the push', 120000);
+      await page.keyboard.press('Space');
+      const simulated = await until(page, async () => { const t = await transport(); return !t.playing && t; }, 'the end of playing');
+      const of_body = simulated.state_hash;
+      assert.equal(await hash(simulated.steps), of_body, 'the studio and `ugoki run` reach the same state');
+      await set_mode(page, 'Edit');
+      await page.locator('.pill.push').first().click();
+      await axes.getByRole('button', { name: 'World' }).click();
+      await until(page, async () => (await now()).axes === undefined, 'world axes');
+      assert.notEqual(await hash(simulated.steps), of_body, 'the axes change the motion');
+      await page.keyboard.press('Control+z');
+      await page.keyboard.press('Control+z');
+      await until(page, async () => (await text_of(page)) === added, 'two undo steps');
+
       // pushes of two characters at the same time: below each other
+      await page.locator('.pill.push').first().click();
+      await page.getByRole('button', { name: 'Go to event' }).click();
+      await until(page, async () => Math.abs((await transport()).time - push.time) < 1e-6, 'the playhead at the push');
       await page.locator('.track-name').nth(1).click();
       await blur(page);
       await page.keyboard.press('Shift+P');

@@ -218,6 +218,7 @@ class Reader {
         event.other_link = find_link(*out_.mechanisms[static_cast<std::size_t>(mechanism)], e.grip.other_link);
       }
       event.force = e.force;
+      event.axes = e.axes;
       event.from = e.from;
       event.velocity = e.velocity;
       event.spin = e.spin;

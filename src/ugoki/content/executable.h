@@ -50,7 +50,8 @@ struct ExecutableEvent {
   int character = 0;                ///< index into Executable::characters
   double duration = 0;              ///< s (push, pull)
   int link = 0;                     ///< index of the link (push, pull, grab, release)
-  Vec3 force;                       ///< N, world, at the link's centre of mass (push)
+  Vec3 force;                       ///< N, at the link's centre of mass (push)
+  PushAxes axes = PushAxes::world;  ///< of `force` (push)
   Vec3 from, velocity, spin;        ///< position (m), velocity (m/s) and angular velocity (rad/s) of the thrown root, world (throw)
   ScenarioGrip grip;                ///< (grab)
   Vec3 point;                       ///< m, pulled point in the frame of the link (pull)

@@ -100,6 +100,7 @@ lsi::World make_world(const Executable& content) {
     if (e.type == EventType::push) {
       event.record.kind = EventKind::push;
       event.record.a = e.force;
+      if (e.axes == PushAxes::body) event.record.flags = lsi::push_body_axes;
     } else if (e.type == EventType::pull) {
       event.record.kind = EventKind::grab;
       event.record.a = e.point;

@@ -12,18 +12,20 @@
 #include "ugoki/collision/prepared_geometry.h"
 #include "ugoki/content/prop_json.h"
 #include "ugoki/content/scenario.h"
+#include "ugoki/content/terrain.h"
 #include "ugoki/mechanism/geometry.h"
 
 namespace ugoki::content {
 namespace {
 
-constexpr std::array<std::pair<PropShape, std::string_view>, 7> names = {{{PropShape::box, "box"},
+constexpr std::array<std::pair<PropShape, std::string_view>, 8> names = {{{PropShape::box, "box"},
                                                                           {PropShape::ramp, "ramp"},
                                                                           {PropShape::stairs, "stairs"},
                                                                           {PropShape::cylinder, "cylinder"},
                                                                           {PropShape::sphere, "sphere"},
                                                                           {PropShape::bar, "bar"},
-                                                                          {PropShape::mesh, "mesh"}}};
+                                                                          {PropShape::mesh, "mesh"},
+                                                                          {PropShape::terrain, "terrain"}}};
 constexpr std::array<std::pair<MeshCollision, std::string_view>, 3> collisions = {
     {{MeshCollision::hull, "hull"}, {MeshCollision::parts, "parts"}, {MeshCollision::surface, "surface"}}};
 constexpr double post = 0.03;  // m, radius of the posts of a bar, but at most a fifth of its width
@@ -62,6 +64,7 @@ std::vector<Shape> shapes_of(const Prop& p) {
       return out;
     }
     case PropShape::mesh: return out;  // made from its mesh body
+    case PropShape::terrain: return {Shape::height_field(make_terrain(s, p.grain, p.seed))};
   }
   return out;
 }
@@ -136,9 +139,12 @@ std::string_view name_of(PropShape shape) { return names[static_cast<std::size_t
 std::string_view name_of(MeshCollision collision) { return collisions[static_cast<std::size_t>(collision)].second; }
 
 void read_prop(Fields& f, Prop& out) {
-  read_name(f, "shape", names, "prop", "Use \"box\", \"ramp\", \"stairs\", \"cylinder\", \"sphere\", \"bar\" or \"mesh\".", out.shape);
+  read_name(f, "shape", names, "prop", "Use \"box\", \"ramp\", \"stairs\", \"cylinder\", \"sphere\", \"bar\", \"mesh\" or \"terrain\".",
+            out.shape);
   f.vec3("size", out.size);
   f.integer("steps", out.steps);
+  f.number("grain", out.grain);
+  f.integer("seed", out.seed);
   f.text("mesh", out.mesh);
   f.vec3("scale", out.scale);
   read_name(f, "collision", collisions, "kind of collision", "Use \"hull\", \"parts\" or \"surface\".", out.collision);
@@ -158,6 +164,10 @@ Json to_json(const Prop& p) {
     json["size"] = to_json(p.size);
   }
   if (p.shape == PropShape::stairs) json["steps"] = p.steps;
+  if (p.shape == PropShape::terrain) {
+    json["grain"] = p.grain;
+    json["seed"] = p.seed;
+  }
   if (p.tilt != Vec3{}) json["tilt"] = to_json(p.tilt);
   json["mass"] = p.mass;
   json["friction"] = p.friction;
@@ -180,6 +190,10 @@ void check_prop(const Prop& p, const std::string& location, Error& problems) {
     problems.add(ErrorCode::syntax, location + "/mesh", "'" + p.mesh + "' cannot be the id of a mesh.",
                  "Import a mesh file, and choose it.");
   range("steps", p.steps, 1, Prop::max_steps, "");
+  range("grain", p.grain, Prop::min_grain, Prop::max_grain, " m");
+  range("seed", p.seed, 0, Prop::max_seed, "");
+  if (p.shape == PropShape::terrain && p.mass > 0)
+    problems.add(ErrorCode::unsupported, location + "/mass", "A terrain cannot move.", "Give it the mass 0.");
   range("mass", p.mass, 0, Prop::max_mass, " kg");
   range("friction", p.friction, 0, 10, "");
   range("restitution", p.restitution, 0, 1, "");

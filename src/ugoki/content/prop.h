@@ -17,7 +17,8 @@ namespace ugoki::content {
 ///   sphere    diameter x
 ///   bar       horizontal bar along y between two posts: diameter x, width y between the posts, height z of its axis
 ///   mesh      the surface of the mechanism `mesh` (is_mesh_body()), scaled
-enum class PropShape { box, ramp, stairs, cylinder, sphere, bar, mesh };
+///   terrain   hills (make_terrain()) on a length x and a width y, up to the height z; fixed in the world
+enum class PropShape { box, ramp, stairs, cylinder, sphere, bar, mesh, terrain };
 [[nodiscard]] std::string_view name_of(PropShape shape);
 
 /// What of a mesh collides.
@@ -33,9 +34,13 @@ struct Prop {
   static constexpr int max_steps = 200;
   static constexpr double max_mass = 1e6;  ///< kg
   static constexpr double min_scale = 1e-4, max_scale = 1e4;
+  static constexpr double min_grain = 0.05, max_grain = 100;  ///< m
+  static constexpr int max_seed = 999'999;
   PropShape shape = PropShape::box;
   Vec3 size = {1, 1, 1};                          ///< m; components that the shape does not use are ignored
   int steps = 5;                                  ///< number of steps (stairs)
+  double grain = 2;                               ///< m, about the distance from a hill to the next hollow (terrain)
+  int seed = 1;                                   ///< another seed gives other hills, 0 to max_seed (terrain)
   std::string mesh = {};                          ///< id of a mechanism that is a mesh body (mesh)
   Vec3 scale = {1, 1, 1};                         ///< factors on the lengths along the axes of the mesh (mesh)
   MeshCollision collision = MeshCollision::hull;  ///< (mesh)
@@ -55,7 +60,7 @@ void check_prop(const Prop& prop, const std::string& location, Error& problems);
 [[nodiscard]] bool is_prop_mechanism(std::string_view id);
 /// Whether a mechanism is a mesh body: one fixed link "body" with a mass, whose shapes are meshes. The visible shapes show the mesh. The
 /// invisible ones are its convex hull, which collides, and the hulls of its connected parts, which do not. The origin is in the centre of
-/// the bottom.
+/// the bottom. With textures, it has a skin.
 [[nodiscard]] bool is_mesh_body(const Mechanism& mechanism);
 /// The mechanism of a prop: one link with the name "body". With a mass, its joint is floating and its density is uniform; otherwise it is
 /// fixed.

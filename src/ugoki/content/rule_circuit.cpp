@@ -37,6 +37,7 @@ class Maker {
         lsi.parameters = {{"character", rule.action.character},
                           {"link", rule.action.link},
                           {"duration", rule.mode == RuleMode::when ? rule.action.duration : 0.0}};
+        if (rule.action.axes == PushAxes::body) lsi.parameters.push_back({"body axes", true});
         const Vec3& f = rule.action.force;
         lsi.values = {{"force", std::vector<double>{f.x, f.y, f.z}}};
         wire(events, id + ".events");

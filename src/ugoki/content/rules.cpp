@@ -79,6 +79,7 @@ void read_action(Fields& f, RuleAction& a) {
   } else {
     f.text("link", a.link);
     f.vec3("force", a.force);
+    read_axes(f, a.axes);
     f.number("duration", a.duration);
   }
 }
@@ -142,6 +143,7 @@ Json to_json(const RuleAction& a) {
   } else {
     json["link"] = a.link;
     json["force"] = content::to_json(a.force);
+    if (a.axes != PushAxes::world) json["axes"] = name_of(a.axes);
     json["duration"] = a.duration;
   }
   return json;

@@ -63,21 +63,26 @@ enum class VariableChange {
   toggle  ///< the variable changes between 0 and 1
 };
 
+/// Axes in which the force of a push is given: those of the world, or those of the pushed link, with which the force turns.
+enum class PushAxes { world, body };
+[[nodiscard]] std::string_view name_of(PushAxes axes);
+
 struct RuleAction {
   ActionType type = ActionType::play;
   std::string character;
-  std::string motion;      ///< id of a motion (play)
-  double speed = 1;        ///< s of motion per s (play)
-  double blend = 0.2;      ///< s, duration of the transitions to and from the motion (play)
-  bool loop = false;       ///< repeat the motion (play)
-  std::string link;        ///< name or label of the link (push, grab, release)
-  Vec3 force;              ///< N, world (push)
-  double duration = 0.2;   ///< s, of a push in the mode `when`
-  std::string other;       ///< id of the character that is gripped; empty: the world (grab)
-  std::string other_link;  ///< name or label of its link; empty: the root (grab)
-  bool rigid = false;      ///< the orientation of the link relative to the other one is held as well (grab)
-  double limit = 450;      ///< N, a larger force opens the grip (grab)
-  std::string variable;    ///< id of a variable (set)
+  std::string motion;               ///< id of a motion (play)
+  double speed = 1;                 ///< s of motion per s (play)
+  double blend = 0.2;               ///< s, duration of the transitions to and from the motion (play)
+  bool loop = false;                ///< repeat the motion (play)
+  std::string link;                 ///< name or label of the link (push, grab, release)
+  Vec3 force;                       ///< N (push)
+  PushAxes axes = PushAxes::world;  ///< of `force` (push)
+  double duration = 0.2;            ///< s, of a push in the mode `when`
+  std::string other;                ///< id of the character that is gripped; empty: the world (grab)
+  std::string other_link;           ///< name or label of its link; empty: the root (grab)
+  bool rigid = false;               ///< the orientation of the link relative to the other one is held as well (grab)
+  double limit = 450;               ///< N, a larger force opens the grip (grab)
+  std::string variable;             ///< id of a variable (set)
   VariableChange change = VariableChange::add;
   double value = 1;  ///< (set)
   friend bool operator==(const RuleAction&, const RuleAction&) = default;

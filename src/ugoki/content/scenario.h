@@ -128,7 +128,8 @@ struct ScenarioEvent {
   std::string character;              ///< id of the character on which it acts
   double duration = 0.2;              ///< s (push, pull)
   std::string link;                   ///< name or label of the link (push, pull, grab, release)
-  Vec3 force;                         ///< N, world (push)
+  Vec3 force;                         ///< N (push)
+  PushAxes axes = PushAxes::world;    ///< of `force` (push)
   Vec3 from, velocity, spin;          ///< position (m), velocity (m/s) and angular velocity (rad/s) of the thrown root, world (throw)
   ScenarioGrip grip;                  ///< (grab)
   Vec3 point;                         ///< m, pulled point in the frame of the link (pull)

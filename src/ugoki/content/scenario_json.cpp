@@ -55,6 +55,16 @@ std::string_view name_of(EventType type) {
   return "push";
 }
 
+std::string_view name_of(PushAxes axes) { return axes == PushAxes::body ? "body" : "world"; }
+
+void read_axes(Fields& f, PushAxes& out) {
+  std::string axes(name_of(out));
+  f.text("axes", axes);
+  if (axes != "world" && axes != "body")
+    f.report(ErrorCode::unsupported, f.path("axes"), "There are no axes '" + axes + "'.", "Use \"world\" or \"body\".");
+  out = axes == "body" ? PushAxes::body : PushAxes::world;
+}
+
 void read_clip(Fields& f, ScenarioClip& out) {
   f.text("id", out.id);
   f.text("motion", out.motion);
@@ -203,6 +213,7 @@ void read_event(Fields& f, ScenarioEvent& out) {
     f.number("duration", out.duration);
     f.text("link", out.link);
     f.vec3("force", out.force);
+    read_axes(f, out.axes);
   } else if (out.type == EventType::pull) {
     f.number("duration", out.duration);
     f.text("link", out.link);
@@ -314,6 +325,7 @@ Json to_json(const ScenarioEvent& e) {
     json["character"] = e.character;
     json["link"] = e.link;
     json["force"] = to_json(e.force);
+    if (e.axes != PushAxes::world) json["axes"] = name_of(e.axes);
   } else if (e.type == EventType::pull) {
     json["duration"] = e.duration;
     json["character"] = e.character;

@@ -13,6 +13,8 @@ void read_control(Fields& fields, ScenarioControl& out);
 /// Reads all fields of a character except the track.
 void read_character(Fields& fields, ScenarioCharacter& out);
 void read_event(Fields& fields, ScenarioEvent& out);
+/// Reads the field `axes` of a push.
+void read_axes(Fields& fields, PushAxes& out);
 void read_marker(Fields& fields, ScenarioMarker& out);
 /// Reads the fields name, duration, frame_rate, step, gravity, ground, camera, look and range.
 void read_settings(Fields& fields, Scenario& out);

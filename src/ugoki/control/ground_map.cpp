@@ -86,6 +86,22 @@ bool GroundMap::contains(int system, int link) const {
   return system < 0 || (at(system) < contained_.size() && contained_[at(system)][at(link)]);
 }
 
+/// Finds the triangle of an upright field in the cell of its grid through which the ray passes.
+bool GroundMap::cast_field(const Item& item, const HeightField& field, const Vec3& from, Point& hit) {
+  const Vec3 start = item.inverse * from;
+  const double u = 0.5 * (start.x / field.half_x + 1) * (field.columns - 1), v = 0.5 * (start.y / field.half_y + 1) * (field.rows - 1);
+  if (!(u >= 0 && u <= field.columns - 1 && v >= 0 && v <= field.rows - 1)) return false;
+  const int column = std::min(static_cast<int>(u), field.columns - 2), row = std::min(static_cast<int>(v), field.rows - 2);
+  const Vec3 a = field.point(column, row), c = field.point(column + 1, row + 1);
+  const Vec3 b = u - column >= v - row ? field.point(column + 1, row) : field.point(column, row + 1);
+  Vec3 n = normalized(cross(b - a, c - a));
+  if (n.z < 0) n = -n;
+  const double height = a.z - (n.x * (start.x - a.x) + n.y * (start.y - a.y)) / n.z;
+  if (start.z < height) return false;
+  hit = {from.z - (start.z - height), item.X_WS.R * n};
+  return true;
+}
+
 bool GroundMap::cast(const Item& item, const Vec3& from, Point& hit) const {
   if (item.collider.shape.type == ShapeType::box) {
     // Distances along the ray at which it enters and leaves the three pairs of faces.
@@ -106,6 +122,8 @@ bool GroundMap::cast(const Item& item, const Vec3& from, Point& hit) const {
     hit.normal = item.X_WS.R.column(face) * (ray[face] > 0 ? -1.0 : 1.0);
     return true;
   }
+  if (const HeightField* field = item.collider.shape.field.get(); field != nullptr && item.X_WS.R.column(2).z > 1 - 1e-12)
+    return cast_field(item, *field, from, hit);
   // The ray moves by the distance from the shape, so that it never passes the surface (sphere tracing, Hart 1996).
   constexpr int max_steps = 100;
   constexpr double touching = 1e-4;  // m

@@ -45,6 +45,7 @@ class GroundMap {
   int build(std::span<int> items);
   /// Casts a ray downwards to one shape. @return false: no hit
   bool cast(const Item& item, const Vec3& from, Point& hit) const;
+  static bool cast_field(const Item& item, const HeightField& field, const Vec3& from, Point& hit);
 
   double floor_ = 0;
   std::vector<Item> items_;

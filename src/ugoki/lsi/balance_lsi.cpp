@@ -180,7 +180,7 @@ void collect_held(Balance& self, std::span<const EventRecord> grips, const doubl
     control::HeldPoint h;
     h.link = grips_itself ? e.link : static_cast<int>(e.c.y);
     h.p = e.b;
-    h.rigid = (static_cast<std::uint32_t>(e.reserved) & grip_rigid) != 0;
+    h.rigid = (static_cast<std::uint32_t>(e.flags) & grip_rigid) != 0;
     const int other = grips_itself ? gripped : gripping, link = grips_itself ? static_cast<int>(e.c.y) : e.link;
     if (other >= 0) {
       const Character& c = self.world->characters()[static_cast<std::size_t>(other)];

@@ -73,8 +73,8 @@ void apply_event(Dynamics& self, const EventRecord& e, const double* state, doub
   dynamics::Workspace& ws = self.scratch[e.character];
   if (e.kind == EventKind::push) {
     dynamics::update_kinematics(m, q_of(c, state), v_of(c, state), ws);
-    const Vec3 p = ws.X_WB[static_cast<std::size_t>(e.link)] * m.link(e.link).inertia.centre();
-    add_wrench(self, e, p, e.a);
+    const Pose& X_WB = ws.X_WB[static_cast<std::size_t>(e.link)];
+    add_wrench(self, e, X_WB * m.link(e.link).inertia.centre(), (e.flags & push_body_axes) != 0 ? X_WB.R * e.a : e.a);
   } else {
     const Vec3 force = calc_pull(m, ws, q_of(c, state), v_of(c, state), e.link, e.a, e.b, dt);
     add_wrench(self, e, ws.X_WB[static_cast<std::size_t>(e.link)] * e.a, force);

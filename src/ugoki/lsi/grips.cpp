@@ -70,7 +70,7 @@ std::size_t Grips::report(const World& world, std::span<dynamics::Workspace> scr
     r.kind = EventKind::gripping;
     r.character = static_cast<std::uint32_t>(g.system_a);
     r.link = g.link_a;
-    r.reserved = g.rigid != 0 ? grip_rigid : 0;
+    r.flags = g.rigid != 0 ? grip_rigid : 0;
     r.a = h.force.v;
     r.b = P;
     r.c = {static_cast<double>(g.system_b), static_cast<double>(g.link_b), norm(h.force.v) / h.limit};

@@ -15,7 +15,8 @@ namespace ugoki::lsi {
 
 /// Kind of an event (pin type `event`), and the meaning of the vectors a, b, c of its record. All vectors are in world axes, unless stated
 /// otherwise.
-///   push     a: force at the link's centre of mass, N; `duration`, s: set in the user's input, 0 in an event for one tick
+///   push     a: force at the link's centre of mass, N, in the axes that PushFlag selects; `duration`, s: set in the user's input, 0 in an
+///            event for one tick
 ///   grab     a: point in the frame of the link, m; b: target, m
 ///   drag     b: new target of the grab, m                  (user's input only)
 ///   release  end of the grab                               (user's input only)
@@ -43,6 +44,11 @@ enum class EventKind : std::uint32_t {
   opening = 10
 };
 
+/// Flags of an event of the kind push, in EventRecord::flags.
+enum PushFlag : std::uint32_t {
+  push_body_axes = 1  ///< the force is in the axes of the link and turns with it; otherwise in world axes
+};
+
 /// Flags of an event of the kind gripping, added to one number.
 enum GripFlag : std::uint32_t {
   grip_rigid = 1,      ///< the orientation is held as well
@@ -53,7 +59,7 @@ struct EventRecord {
   EventKind kind = EventKind::none;
   std::uint32_t character = 0;  ///< index in the world
   std::int32_t link = 0;        ///< index in the mechanism
-  std::uint32_t reserved = 0;
+  std::uint32_t flags = 0;      ///< of a push: PushFlag; in the output `grips` of `dynamics`: GripFlag
   Vec3 a, b, c;
   double duration = 0;  ///< s
   double spare[4] = {0, 0, 0, 0};

@@ -191,7 +191,8 @@ struct PushSaved {
 struct Push {
   std::uint32_t character;
   std::int32_t link;
-  double ticks;  ///< 0: as long as the condition is true
+  double ticks;         ///< 0: as long as the condition is true
+  std::uint32_t flags;  ///< PushFlag
 };
 
 std::int32_t push(const Call* call) {
@@ -221,6 +222,7 @@ std::int32_t push(const Call* call) {
     e.kind = EventKind::push;
     e.character = self.character;
     e.link = self.link;
+    e.flags = self.flags;
     e.a = f;
   }
   set_count(call->out[0], count);
@@ -236,11 +238,14 @@ void add_push(circuit::Library& library) {
   c.doc = "Adds a push to the events: a force on the centre of mass of a link.";
   c.inputs = {optional(input_pin("events", PinTypeId::event, "", "Other events of the tick; they are passed on.")),
               input_pin("when", PinTypeId::scalar, "", "The condition; true above 0."),
-              input_pin("force", PinTypeId::vector, "N", "Force, world axes.")};
+              input_pin("force", PinTypeId::vector, "N", "Force, in world axes or in those of the link.")};
   c.outputs = {output_pin("events", PinTypeId::event, "", "All events, with the push."),
                output_pin("active", PinTypeId::scalar, "", "1 while the push acts, otherwise 0."),
                output_pin("count", PinTypeId::scalar, "", "How often the push has begun.")};
-  c.parameters = {character_parameter(), text_parameter("link", "Name or label of the pushed link; empty: the root."),
+  circuit::Parameter body_axes = text_parameter("body axes", "Whether the force is in the axes of the link and turns with it.");
+  body_axes.kind = circuit::ParameterKind::boolean;
+  body_axes.initial = false;
+  c.parameters = {character_parameter(), text_parameter("link", "Name or label of the pushed link; empty: the root."), body_axes,
                   number_parameter("duration", 0, 0, 3600, "s",
                                    "Duration of the push, from the tick in which the condition becomes true; 0: as long as it is true.")};
   c.state_bytes = sizeof(PushSaved);
@@ -251,7 +256,8 @@ void add_push(circuit::Library& library) {
     const Character& who = *character_of(s);
     const double duration = s.number("duration");
     return new Push{static_cast<std::uint32_t>(who.index), std::max(0, link_of(s, who, s.text("link"))),
-                    duration > 0 ? std::max(1.0, std::floor(duration / s.dt() + 0.5)) : 0};
+                    duration > 0 ? std::max(1.0, std::floor(duration / s.dt() + 0.5)) : 0,
+                    s.boolean("body axes") ? push_body_axes : std::uint32_t{0}};
   };
   c.destroy = destroy<Push>;
   c.step = push;

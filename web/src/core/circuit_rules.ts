@@ -172,7 +172,7 @@ class Reader {
         const duration = number(p.duration, 0.2);
         const force = lsi.values?.force;
         if (!Array.isArray(force) || force.length !== 3 || this.sources.has(`${lsi.id}.force`)) return null;
-        return { mode: duration > 0 ? 'when' : 'while', do: { type: 'push', character: text(p.character), link: text(p.link), force: force as Vec3, duration: duration > 0 ? duration : 0.2 } };
+        return { mode: duration > 0 ? 'when' : 'while', do: { type: 'push', character: text(p.character), link: text(p.link), force: force as Vec3, ...(p['body axes'] === true ? { axes: 'body' as const } : {}), duration: duration > 0 ? duration : 0.2 } };
       }
       case 'grip rule': {
         const mode = text(p.mode) || 'grab';
@@ -242,7 +242,7 @@ function canonical(rule: Rule): string {
   const { do: action } = rule;
   const what =
     action.type === 'play' ? [action.character, action.motion, action.speed, action.blend, action.loop]
-    : action.type === 'push' ? [action.character, action.link, action.force, rule.mode === 'when' ? action.duration : 0]
+    : action.type === 'push' ? [action.character, action.link, action.force, action.axes ?? 'world', rule.mode === 'when' ? action.duration : 0]
     : action.type === 'grab' ? [action.character, action.link, action.other, action.other_link, action.rigid, action.limit]
     : action.type === 'release' ? [action.character, action.link]
     : [action.variable, action.change, action.value];

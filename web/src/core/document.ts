@@ -75,6 +75,9 @@ export interface Character extends Material {
   prop?: Prop;
 }
 
+/** Axes in which the force of a push is given. */
+export type PushAxes = 'world' | 'body';
+
 export interface ScenarioEvent {
   id: string;
   type: string;
@@ -84,8 +87,10 @@ export interface ScenarioEvent {
   duration?: number;
   character?: string;
   link?: string;
-  /** Force of a push, world frame, N. */
+  /** Force of a push, N. */
   force?: Vec3;
+  /** Axes of the force: of the world, or of the pushed link, with which the force turns. Absent: world. */
+  axes?: PushAxes;
   /** Start position of a thrown body, world frame, m. */
   from?: Vec3;
   /** Velocity of a thrown body, world frame, m/s. */

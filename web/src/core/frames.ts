@@ -151,6 +151,12 @@ export function link_position(frame: Frame, character: CharacterFrame, link: num
   return [frame.floats[at]!, frame.floats[at + 1]!, frame.floats[at + 2]!];
 }
 
+/** Rotation of link `link` of a character: unit quaternion qw qx qy qz from the link's axes to those of the world. */
+export function link_rotation(frame: Frame, character: CharacterFrame, link: number): [number, number, number, number] {
+  const at = character.poses + link * pose_floats + 3;
+  return [frame.floats[at]!, frame.floats[at + 1]!, frame.floats[at + 2]!, frame.floats[at + 3]!];
+}
+
 /**
  * The latest frames by frame number, read by ghosts, trails and curves. It keeps at most `capacity` frames and `max_bytes` bytes, and drops
  * the frames that were received first. It is cleared when the document or the mode changes, because its frames then no longer match what would play.

@@ -2,7 +2,7 @@
 import { free_name, free_place, type Command, type ScenarioDocument } from './document';
 import type { Vec3 } from './protocol';
 
-export type PropShape = 'box' | 'ramp' | 'stairs' | 'cylinder' | 'sphere' | 'bar' | 'mesh';
+export type PropShape = 'box' | 'ramp' | 'stairs' | 'cylinder' | 'sphere' | 'bar' | 'terrain' | 'mesh';
 
 /** What of a mesh collides: its convex hull, the hulls of its connected parts, or its triangles. */
 export type MeshCollision = 'hull' | 'parts' | 'surface';
@@ -13,6 +13,10 @@ export interface Prop {
   size?: Vec3;
   /** Number of steps of stairs. Absent: 5. */
   steps?: number;
+  /** About the distance from a hill of a terrain to the next hollow, m. Absent: 2. */
+  grain?: number;
+  /** Another seed gives other hills. Absent: 1. */
+  seed?: number;
   /** Id of the mechanism with the mesh. */
   mesh?: string;
   /** Factors on the lengths of the mesh. */
@@ -44,6 +48,7 @@ export const prop_kinds: Record<PlainShape, Kind> = {
   cylinder: { name: 'Cylinder', size: ['Diameter', '', 'Height'], start: [0.6, 0.6, 0.9], color: '#6f9a8d' },
   sphere: { name: 'Sphere', size: ['Diameter', '', ''], start: [0.4, 0.4, 0.4], color: '#c4706a' },
   bar: { name: 'Bar', size: ['Thickness', 'Width', 'Height'], start: [0.034, 1.6, 2.2], color: '#c9ccd2' },
+  terrain: { name: 'Terrain', size: ['Length', 'Width', 'Height'], start: [8, 6, 0.3], color: '#7f8a6b' },
 };
 
 export const prop_shapes = Object.keys(prop_kinds) as PlainShape[];

@@ -1,6 +1,6 @@
 /** Rules of a scenario (docs/scenario.md): "when the ball touches the chest of Anna, play the fall". Sentences, defaults and the state graph. */
 import type { Circuit } from './circuit/form';
-import type { Character, Command, ScenarioDocument } from './document';
+import type { Character, Command, PushAxes, ScenarioDocument } from './document';
 import type { Vec3 } from './protocol';
 import { find_variable, variable_text } from './variables';
 
@@ -36,7 +36,8 @@ export interface RuleCondition {
 
 export type RuleAction =
   | { type: 'play'; character: string; motion: string; speed: number; blend: number; loop: boolean }
-  | { type: 'push'; character: string; link: string; force: Vec3; duration: number }
+  /** `axes` absent: world. */
+  | { type: 'push'; character: string; link: string; force: Vec3; axes?: PushAxes; duration: number }
   /** `other` empty: the world. `limit` in N opens the grip. */
   | { type: 'grab'; character: string; link: string; other: string; other_link: string; rigid: boolean; limit: number }
   | { type: 'release'; character: string; link: string }

@@ -1,11 +1,9 @@
 /** The arrow of the selected push or throw over the viewport. Dragging its tip changes force or velocity, as one undo step. */
 import { useEffect, useRef, useState, type PointerEvent, type ReactElement } from 'react';
 import * as THREE from 'three';
-import { apply_command, find_character, find_event, type Command, type ScenarioEvent } from '../core/document';
-import { arrow_tip, arrow_vector, with_tip } from '../core/event_arrows';
+import { apply_command, find_event, type Command, type ScenarioEvent } from '../core/document';
+import { arrow_base, arrow_tip, arrow_vector, with_tip, type ArrowBase } from '../core/event_arrows';
 import { format_number } from '../core/format';
-import { link_position } from '../core/frames';
-import type { Vec3 } from '../core/protocol';
 import { shown_document } from '../core/state';
 import type { Viewport } from '../view/viewport';
 import { session, useStudio } from './app';
@@ -13,15 +11,10 @@ import { session, useStudio } from './app';
 const head = 9; // px, length of the head of the arrow
 const flat_view = 0.12; // rad: below this height of the camera, a drag moves the tip in the plane that faces the camera instead of a horizontal one
 
-/** Where the arrow begins, m: the pushed link in the present frame, or the place of the thrown body; null: unknown. */
-function origin_of(event: ScenarioEvent): Vec3 | null {
-  if (event.type === 'throw') return event.from ?? null;
+/** Where the arrow begins in the present frame; null: unknown. */
+export function present_base(event: ScenarioEvent): ArrowBase | null {
   const { document, mechanisms, characters } = session.state;
-  const frame = session.frames.latest;
-  const mechanism = document && find_character(document, event.character ?? '')?.mechanism;
-  const link = mechanism ? (mechanisms[mechanism]?.links.findIndex((l) => l.name === event.link) ?? -1) : -1;
-  const shown = frame?.characters[characters.findIndex((c) => c.id === event.character)];
-  return frame && shown && link >= 0 && link < shown.links ? link_position(frame, shown, link) : null;
+  return document && arrow_base(event, document, mechanisms, characters, session.frames.latest);
 }
 
 export function EventArrow({ viewport }: { viewport: Viewport }): ReactElement | null {
@@ -29,17 +22,17 @@ export function EventArrow({ viewport }: { viewport: Viewport }): ReactElement |
   const event = useStudio((s) => (s.selection.kind === 'event' && s.document ? find_event(shown_document(s)!, s.selection.event) : undefined));
   const line = useRef<SVGPathElement>(null);
   const tip = useRef<HTMLSpanElement>(null);
-  const [drag, set_drag] = useState<{ plane: THREE.Plane; from: Vec3; grip: THREE.Vector3 } | null>(null);
+  const [drag, set_drag] = useState<{ plane: THREE.Plane; base: ArrowBase; grip: THREE.Vector3 } | null>(null);
   const changed = useRef<Command | null>(null);
   const on = edit && event !== undefined && arrow_vector(event) !== null;
 
   useEffect(() => {
     if (!on) return;
     const place = (): void => {
-      const from = origin_of(event);
-      const to = from && arrow_tip(event, from);
+      const base = present_base(event);
+      const to = base && arrow_tip(event, base);
       const box = viewport.canvas.getBoundingClientRect();
-      const [a, b] = [from, to].map((p) => p && viewport.to_client(new THREE.Vector3(...p)));
+      const [a, b] = [base?.from, to].map((p) => p && viewport.to_client(new THREE.Vector3(...p)));
       const visible = a && b;
       if (line.current) line.current.style.visibility = visible ? 'visible' : 'hidden';
       if (tip.current) tip.current.style.visibility = visible ? 'visible' : 'hidden';
@@ -73,9 +66,9 @@ export function EventArrow({ viewport }: { viewport: Viewport }): ReactElement |
   if (!on) return null;
   const amount = Math.hypot(...arrow_vector(event)!);
   const begin = (pointer: PointerEvent<HTMLElement>): void => {
-    const from = origin_of(event);
-    const at = from && arrow_tip(event, from);
-    if (!from || !at || pointer.button !== 0) return;
+    const base = present_base(event);
+    const at = base && arrow_tip(event, base);
+    if (!base || !at || pointer.button !== 0) return;
     pointer.preventDefault();
     pointer.stopPropagation();
     pointer.currentTarget.setPointerCapture(pointer.pointerId);
@@ -85,13 +78,13 @@ export function EventArrow({ viewport }: { viewport: Viewport }): ReactElement |
     const plane = flat ? upright : new THREE.Plane().setFromNormalAndCoplanarPoint(new THREE.Vector3(0, 0, 1), point);
     const grip = viewport.on_plane(pointer.clientX, pointer.clientY, plane);
     changed.current = null;
-    if (grip) set_drag({ plane, from, grip: point.sub(grip) });
+    if (grip) set_drag({ plane, base, grip: point.sub(grip) });
   };
   const move = (pointer: PointerEvent<HTMLElement>): void => {
     const at = drag && viewport.on_plane(pointer.clientX, pointer.clientY, drag.plane);
     const { document } = session.state;
     if (!at || !document) return;
-    const fields = with_tip(event, drag.from, at.add(drag.grip).toArray());
+    const fields = with_tip(event, drag.base, at.add(drag.grip).toArray());
     changed.current = { type: 'event.set', id: event.id, event: fields };
     session.show_preview(apply_command(document, changed.current));
     viewport.invalidate();
@@ -107,7 +100,7 @@ export function EventArrow({ viewport }: { viewport: Viewport }): ReactElement |
     <div className="event-arrow">
       <svg aria-hidden="true"><path ref={line} /></svg>
       <span ref={tip} className="arrow-tip" title="Drag to change the force over the floor; with Shift also its height" data-dragged={drag !== null} onPointerDown={begin} onPointerMove={move} onPointerUp={() => end(true)} onPointerCancel={() => end(false)}>
-        <span className="arrow-value">{event.type === 'throw' ? `${format_number(amount, 1)} m/s` : `${format_number(amount, 0)} N`}</span>
+        <span className="arrow-value">{event.type === 'throw' ? `${format_number(amount, 1)} m/s` : `${format_number(amount, 0)} N${event.axes === 'body' ? ', body axes' : ''}`}</span>
       </span>
     </div>
   );

@@ -1,5 +1,6 @@
 import { useEffect, useRef, type ReactElement } from 'react';
-import { apply_command, find_character, find_clip, find_event, find_marker, type Character, type Clip, type Command, type Marker, type ScenarioDocument, type ScenarioEvent } from '../core/document';
+import { apply_command, find_character, find_clip, find_event, find_marker, type Character, type Clip, type Command, type Marker, type PushAxes, type ScenarioDocument, type ScenarioEvent } from '../core/document';
+import { with_axes } from '../core/event_arrows';
 import { find_camera, find_shot } from '../core/film_edits';
 import { describe_items, items_span, move_items, type Item } from '../core/items';
 import { format_label } from '../core/format';
@@ -12,6 +13,7 @@ import { run } from './actions';
 import { session, usePoser, useStudio } from './app';
 import { CircuitSelection } from './circuit/LsiInspector';
 import { ColorField } from './ColorField';
+import { present_base } from './EventArrow';
 import { describe_camera } from './film/CameraTrack';
 import { CameraFields, ShotFields } from './film/fields';
 import { MotionOperations } from './motion/ClipMenu';
@@ -19,7 +21,7 @@ import { GaitFields } from './motion/GaitFields';
 import { JointFields } from './posing/JointFields';
 import { EntryDetails } from './library/EntryDetails';
 import { VariableFields } from './rules/Variables';
-import { ChoiceField, NumberField, SwitchField, TextField } from './NumberField';
+import { ChoiceField, NumberField, SegmentsField, SwitchField, TextField } from './NumberField';
 import { PlacementFields } from './PlacementFields';
 import { PropFields } from './PropFields';
 
@@ -223,6 +225,7 @@ function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocume
         <>
           <NumberField label="Duration" unit="s" value={event.duration ?? 0.2} step={0.01} min={0.001} title="Time for which the force acts" on_commit={(duration) => send(set({ duration }))} />
           {mechanism && <ChoiceField label="Link" value={event.link ?? ''} choices={mechanism.links.map((l) => [l.name, format_label(l.label || l.name)])} on_commit={(link) => send(set({ link }))} />}
+          <SegmentsField label="Axes" value={event.axes ?? 'world'} choices={push_axes} on_commit={(axes) => send(set(with_axes(event, axes, present_base(event))))} />
           <VectorFields label="Force" unit="N" step={1} value={event.force ?? [0, 0, 0]} on_commit={(force) => send(set({ force }))} />
         </>
       )}
@@ -254,6 +257,11 @@ function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocume
     </>
   );
 }
+
+const push_axes: [PushAxes, string, string][] = [
+  ['world', 'World', 'The force keeps its direction'],
+  ['body', 'Body', 'The force is given in the axes of the link and turns with it'],
+];
 
 /** How far and how long the target of a pull moves. */
 function describe_pull(event: ScenarioEvent): string {

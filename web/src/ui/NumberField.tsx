@@ -196,6 +196,23 @@ export function ChoiceField({ label, value, choices, on_commit, title }: { label
   );
 }
 
+/** A choice of which all values are visible. @param choices value, text, and what it does */
+export function SegmentsField<T extends string>({ label, value, choices, on_commit }: { label: string; value: T; choices: readonly (readonly [T, string, string])[]; on_commit: (value: T) => void }): ReactElement {
+  const id = useId();
+  return (
+    <div className="field">
+      <span id={id}>{label}</span>
+      <div className="segments" role="group" aria-labelledby={id}>
+        {choices.map(([key, text, title]) => (
+          <button key={key} type="button" aria-pressed={key === value} title={title} onClick={() => key !== value && on_commit(key)}>
+            {text}
+          </button>
+        ))}
+      </div>
+    </div>
+  );
+}
+
 export function SwitchField({ label, value, on_commit, title, disabled }: { label: string; value: boolean; on_commit: (value: boolean) => void; title?: string; disabled?: boolean }): ReactElement {
   const id = useId();
   return (

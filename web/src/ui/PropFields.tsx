@@ -38,11 +38,11 @@ export function PropFields({ character, prop }: { character: Character; prop: Pr
       <h4>Shape</h4>
       {prop.shape === 'mesh' ? <MeshShape prop={prop} mesh={mesh} set={set} /> : <PlainFields prop={prop} shape={prop.shape} set={set} />}
       <PlacementFields character={character} height="Height of the bottom" />
-      {prop.shape !== 'sphere' && axes.slice(0, prop.shape === 'mesh' ? 3 : 2).map((axis, i) => (
+      {prop.shape !== 'sphere' && prop.shape !== 'terrain' && axes.slice(0, prop.shape === 'mesh' ? 3 : 2).map((axis, i) => (
         <NumberField key={axis} label={`Tilt ${axis}`} unit="°" value={prop.tilt?.[i] ?? 0} step={1} digits={1} min={-180} max={180} title={`Rotation about the prop's own ${axis} axis`} on_commit={(v) => set({ tilt: replaced(prop.tilt ?? [0, 0, 0], i, v) })} />
       ))}
       <h4>Contact</h4>
-      <SwitchField label="Moves" value={prop.mass > 0} title="Off: fixed in the world. On: a body with a mass, which can be pushed, thrown and carried" on_commit={(on) => set({ mass: !on ? 0 : volume > 0 ? Number(Math.min(1e6, Math.max(0.001, usual_density * volume)).toPrecision(4)) : usual_mass })} />
+      {prop.shape !== 'terrain' && <SwitchField label="Moves" value={prop.mass > 0} title="Off: fixed in the world. On: a body with a mass, which can be pushed, thrown and carried" on_commit={(on) => set({ mass: !on ? 0 : volume > 0 ? Number(Math.min(1e6, Math.max(0.001, usual_density * volume)).toPrecision(4)) : usual_mass })} />}
       {prop.mass > 0 && <NumberField label="Mass" unit="kg" value={prop.mass} step={0.1} min={0.001} max={1e6} on_commit={(mass) => set({ mass })} />}
       {prop.mass > 0 && volume > 0 && (
         <NumberField label="Density" unit="kg/m³" value={prop.mass / volume} step={10} digits={1} min={0.01} max={1e5} title="Mass divided by volume. Wood 600, water 1000, concrete 2400, steel 7850" on_commit={(density) => set({ mass: Number((density * volume).toPrecision(6)) })} />
@@ -66,6 +66,12 @@ function PlainFields({ prop, shape, set }: { prop: Prop; shape: PlainShape; set:
       {axes.map((axis, i) => kind.size[i] && (
         <NumberField key={axis} label={kind.size[i]!} unit="m" value={size[i]!} step={0.01} digits={size[i]! < 0.1 ? 3 : 2} min={0.005} max={1000} on_commit={(v) => set({ size: replaced(size, i, v) })} />
       ))}
+      {shape === 'terrain' && (
+        <>
+          <NumberField label="Grain" unit="m" value={prop.grain ?? 2} step={0.05} min={0.05} max={100} title="About the distance from a hill to the next hollow" on_commit={(grain) => set({ grain })} />
+          <NumberField label="Seed" unit="" value={prop.seed ?? 1} step={0.2} digits={0} min={0} max={999999} title="Each seed gives other hills" on_commit={(seed) => set({ seed: Math.round(seed) })} />
+        </>
+      )}
       {shape === 'stairs' && <NumberField label="Steps" unit="" value={prop.steps ?? 5} step={1} digits={0} min={1} max={200} title="Number of steps; all have the same height" on_commit={(steps) => set({ steps: Math.round(steps) })} />}
     </>
   );

@@ -99,6 +99,7 @@ function Push({ doc, action, mode, replace }: Props<RuleAction & { type: 'push' 
       <ChoiceChip label="Character of the action" hue="vector" value={action.character} choices={characters_of(doc)} on_commit={(id) => set({ character: id, link: '' })} />
       <span className="rule-word">with</span>
       {[0, 1, 2].map(axis)}
+      <ChoiceChip label="Axes of the force" hue="plain" value={action.axes ?? 'world'} choices={[['world', 'in world axes'], ['body', 'in body axes']]} on_commit={(axes) => set({ axes: axes === 'body' ? 'body' : 'world' })} />
       {mode === 'when' && <><span className="rule-word">for</span><NumberChip label="Duration" value={action.duration} unit="s" min={0.001} max={3600} on_commit={(duration) => set({ duration })} /></>}
     </>
   );
