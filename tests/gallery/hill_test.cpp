@@ -31,6 +31,28 @@ TEST(Hill, AHumanWalksOverPropsWithoutAssist) {
   EXPECT_NEAR(player.q(ball)[2], 0, 0.35) << "m";
 }
 
+// The same on hills, with a push from behind, in the axes of the chest.
+TEST(Hill, AHumanWalksOverHillsWithoutAssist) {
+  content::Player player = open_content("hills");
+  const auto& characters = player.content().characters;
+  const HeightField& field = *player.content().mechanisms[static_cast<std::size_t>(characters[1].mechanism)]->link(0).shapes.at(0).field;
+  const auto ground = [&](double x, double y) {  // m, at the nearest point of the grid
+    const double u = (x - 6 + field.half_x) / (2 * field.half_x), v = (y + field.half_y) / (2 * field.half_y);
+    if (u < 0 || u > 1 || v < 0 || v > 1) return 0.0;
+    return field.point(static_cast<int>(u * (field.columns - 1) + 0.5), static_cast<int>(v * (field.rows - 1) + 0.5)).z;
+  };
+  double highest = 0;
+  while (player.time() < 10) {
+    ASSERT_TRUE(player.step());
+    const double* q = player.q(0).data();
+    ASSERT_GT(q[2] - ground(q[0], q[1]), 0.75) << "m: height of the hips above the hills, at " << player.time() << " s";
+    highest = std::max(highest, ground(q[0], q[1]));
+  }
+  EXPECT_GT(highest, 0.2) << "m: the way leads over hills";
+  EXPECT_GT(player.q(0)[0], 11) << "m: beyond the hills";
+  EXPECT_EQ(output(player, "human/control.report")[7], 0) << "root assist";
+}
+
 // A character that begins on a platform stands on it as on the floor, with and without root assist.
 TEST(Hill, APlatformIsAFloor) {
   // In a contact, the body with the smaller index comes first: the platform stands before the character, and after it.

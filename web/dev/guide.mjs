@@ -108,6 +108,26 @@ try {
     await page.waitForTimeout(1000);
   }
 
+  if (wanted.length === 0 || wanted.includes('terrain')) {
+    await page.getByRole('button', { name: '+ Prop' }).click();
+    await page.getByRole('menuitem', { name: 'Terrain', exact: true }).click();
+    await page.locator('.inspector h3', { hasText: 'Prop Terrain' }).waitFor();
+    for (const [label, value] of [['Height', 0.5], ['Seed', 7], ['X', 1.5], ['Y', 0]]) await page.locator('.inspector').getByLabel(label, { exact: true }).fill(String(value)).then(() => page.keyboard.press('Enter')).then(() => page.waitForTimeout(400));
+    await page.getByRole('button', { name: 'Place on the ground' }).click();
+    await page.waitForFunction(() => window.ugoki.document().characters[0].place.z > 0);
+    await blur();
+    await page.keyboard.press('f');
+    await page.waitForTimeout(2500);
+    await page.mouse.move(640, 300);
+    for (let i = 0; i < 3; i++) await page.mouse.wheel(0, -120);
+    await page.waitForTimeout(2500);
+    await page.mouse.move(640, 20); // no link is under the pointer
+    await picture('terrain');
+    await undo_while("window.ugoki.document().characters.some((c) => c.prop || c.place.z > 0.2)");
+    await page.keyboard.press('a');
+    await page.waitForTimeout(1000);
+  }
+
   if (wanted.length === 0 || wanted.includes('mesh-prop')) {
     await add_table(page);
     await page.getByRole('button', { name: 'Add as a prop' }).click();

@@ -158,6 +158,7 @@ export const prop_journeys = [
       const textured = await shot('textured-prop');
       await page.getByRole('tab', { name: 'Look', exact: true }).click();
       const shown = page.getByRole('group', { name: 'Shown' });
+      await page.getByText('Drawn with the textures of its file').waitFor(); // and no colour without effect
       await shown.getByRole('button', { name: 'Colours' }).click();
       await until(page, async () => (await prop()).shown === 'body', 'the colours');
       assert.notEqual(Buffer.compare(await shot('textured-prop-colours'), textured), 0, 'the colours give the same picture as the textures');
@@ -210,7 +211,7 @@ export const prop_journeys = [
     },
   },
   {
-    name: 'props: hills of a terrain are sized and reseeded; a box rolls down and lies on them; all is undone',
+    name: 'props: hills of a terrain are sized and reseeded; a character inside them is placed on them; a box lies on them; all is undone',
     async run({ page }) {
       await set_mode(page, 'Edit');
       await page.keyboard.press('Escape');
@@ -239,6 +240,20 @@ export const prop_journeys = [
       await set('X', 3, async () => (await place()).x === 3);
       await set('Y', 0, async () => (await place()).y === 0);
       assert.equal(await page.locator('.inspector').getByLabel('Moves').count(), 0, 'a terrain does not move');
+
+      // the human stands in the hills; both inspectors report it, and one click places it on them
+      const human = async () => (await document_of(page)).characters.find((c) => c.id === 'human');
+      const notes = page.locator('.inspector .ground-notes');
+      await notes.getByText(/Human is \d+ cm inside Terrain/).waitFor();
+      await page.locator('[data-character="human"] .track-name').click();
+      await page.locator('.inspector h3', { hasText: 'Character Human' }).waitFor();
+      const depth = Number((await notes.innerText()).match(/Human is (\d+) cm inside Terrain/)[1]) / 100;
+      assert.ok(depth > 0.03 && depth <= 0.5, `the human is ${depth} m inside`);
+      await notes.getByRole('button', { name: 'Place on the ground' }).click();
+      await until(page, async () => Math.abs((await human()).place.z - depth) < 0.006, `the human ${depth} m higher`);
+      await notes.waitFor({ state: 'detached' });
+      await page.locator(`[data-character="${terrain}"] .track-name`).click();
+      await page.locator('.inspector h3', { hasText: 'Prop Terrain' }).waitFor();
       await blur(page);
       await page.keyboard.press('0');
       await page.keyboard.press('f');

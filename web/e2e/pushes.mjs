@@ -19,8 +19,14 @@ export const push_journeys = [
       await set_mode(page, 'Edit');
       const before = await text_of(page);
       const count = JSON.parse(before).events.length;
+      const transport = () => page.evaluate(() => window.ugoki.transport());
+      const to_start = async () => {
+        await blur(page);
+        await page.keyboard.press('Control+Home');
+        await until(page, async () => (await transport()).time === 0, 'the playhead at the start');
+      };
       await page.locator('.track-name').first().click();
-      await blur(page);
+      await to_start();
       await page.keyboard.press('0'); // not flat: a flat view drags in another plane
       await page.keyboard.press('f');
       await page.keyboard.press('Shift+P');
@@ -44,6 +50,20 @@ export const push_journeys = [
       await page.mouse.up();
       await painted(page);
       assert.equal(await text_of(page), added, 'Escape restores the force');
+      const value = page.locator('.arrow-value');
+      const view = await page.locator('.viewport').boundingBox();
+      const from = await middle(tip);
+      await page.mouse.move(from.x, from.y);
+      await page.mouse.down();
+      for (const x of [view.x + 6, view.x + view.width - 6]) {
+        await page.mouse.move(x, from.y + 12, { steps: 4 });
+        await painted(page);
+        const label = await value.boundingBox();
+        assert.ok(label.x >= view.x && label.x + label.width <= view.x + view.width, `the label is inside the viewport: ${JSON.stringify([label, view])}`);
+      }
+      await page.keyboard.press('Escape');
+      await page.mouse.up();
+      await painted(page);
       await drag(70, 24);
       await page.mouse.up();
       const changed = await until(page, async () => (await text_of(page)) !== added && (await document_of(page)).events.find((e) => e.id === push.id), 'the changed push');
@@ -74,10 +94,8 @@ export const push_journeys = [
         await page.waitForTimeout(500);
         return JSON.parse(service.run(['run', project, '--steps', String(steps), '--json']).stdout).state_hash;
       };
-      const transport = () => page.evaluate(() => window.ugoki.transport());
       await set_mode(page, 'Simulate');
-      await blur(page);
-      await page.keyboard.press('Control+Home');
+      await to_start();
       await page.keyboard.press('Space');
       await until(page, async () => (await transport()).simulated > push.time + 0.5, 'the push', 120000);
       await page.keyboard.press('Space');
@@ -94,11 +112,8 @@ export const push_journeys = [
       await until(page, async () => (await text_of(page)) === added, 'two undo steps');
 
       // pushes of two characters at the same time: below each other
-      await page.locator('.pill.push').first().click();
-      await page.getByRole('button', { name: 'Go to event' }).click();
-      await until(page, async () => Math.abs((await transport()).time - push.time) < 1e-6, 'the playhead at the push');
       await page.locator('.track-name').nth(1).click();
-      await blur(page);
+      await to_start();
       await page.keyboard.press('Shift+P');
       await until(page, async () => (await document_of(page)).events.length === count + 2, 'the second push');
       await painted(page);

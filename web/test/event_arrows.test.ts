@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import * as THREE from 'three';
 import type { ScenarioDocument, ScenarioEvent } from '../src/core/document';
-import { arrow_base, arrow_tip, arrow_vector, rotated, with_axes, with_tip, type ArrowBase, type Rotation } from '../src/core/event_arrows';
+import { arrow_base, arrow_tip, arrow_vector, label_corner, rotated, with_axes, with_tip, type ArrowBase, type Rotation } from '../src/core/event_arrows';
 import type { Frame } from '../src/core/frames';
 import type { MechanismData } from '../src/core/protocol';
 
@@ -61,5 +61,29 @@ describe('arrows of events', () => {
     for (const link of ['l1', 'chest']) expect(arrow_base({ ...push, character: 'a', link }, doc, mechanisms, [{ id: 'a' }], frame)).toEqual({ from: [4, 5, 6], rotation: [0, 0, 0, 1] });
     expect(arrow_base({ ...push, character: 'a', link: 'none' }, doc, mechanisms, [{ id: 'a' }], frame)).toBeNull();
     expect(arrow_base({ ...push, character: 'a', link: 'l1' }, doc, mechanisms, [{ id: 'a' }], null)).toBeNull();
+  });
+});
+
+describe('the label of an arrow', () => {
+  const box = { width: 800, height: 500 };
+  const label = { width: 120, height: 20 };
+
+  it('is beyond the tip if there is room', () => {
+    expect(label_corner({ x: 400, y: 200 }, label, box, false)).toEqual({ x: 415, y: 190 });
+    expect(label_corner({ x: 400, y: 200 }, label, box, true)).toEqual({ x: 265, y: 190 });
+  });
+
+  it('changes its side at an edge, and never leaves the viewport', () => {
+    expect(label_corner({ x: 760, y: 200 }, label, box, false).x).toBe(625);
+    expect(label_corner({ x: 40, y: 200 }, label, box, true).x).toBe(55);
+    for (const left of [false, true])
+      for (const x of [-300, 0, 60, 400, 790, 1200])
+        for (const y of [-50, 3, 250, 499, 700]) {
+          const corner = label_corner({ x, y }, label, box, left);
+          expect(corner.x).toBeGreaterThanOrEqual(4);
+          expect(corner.x + label.width).toBeLessThanOrEqual(796);
+          expect(corner.y).toBeGreaterThanOrEqual(4);
+          expect(corner.y + label.height).toBeLessThanOrEqual(496);
+        }
   });
 });

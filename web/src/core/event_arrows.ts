@@ -54,6 +54,21 @@ export function arrow_tip(event: ScenarioEvent, base: ArrowBase): Vec3 | null {
   return along && (base.from.map((x, i) => x + along[i]! * scale_of(event)) as Vec3);
 }
 
+/**
+ * Upper left corner of the label of an arrow, px: beyond the tip, or on its other side if there is no room, and always inside the viewport.
+ * @param tip, label, box position of the tip, and sizes of the label and the viewport, px  @param left true: the arrow points to the left
+ */
+export function label_corner(tip: { x: number; y: number }, label: { width: number; height: number }, box: { width: number; height: number }, left: boolean): { x: number; y: number } {
+  const gap = 15; // px between the tip and the label
+  const margin = 4; // px to the edge of the viewport
+  const [on_left, on_right] = [tip.x - gap - label.width, tip.x + gap];
+  const fits = (x: number): boolean => x >= margin && x + label.width <= box.width - margin;
+  const wanted = left ? on_left : on_right;
+  const other = left ? on_right : on_left;
+  const inside = (at: number, size: number, all: number): number => Math.max(margin, Math.min(at, all - size - margin));
+  return { x: inside(fits(wanted) || !fits(other) ? wanted : other, label.width, box.width), y: inside(tip.y - label.height / 2, label.height, box.height) };
+}
+
 const rounded = (vector: Vec3, step: number, limit: number): Vec3 =>
   vector.map((x) => Math.max(-limit, Math.min(limit, Math.round(x / step) * step))).map((x) => Math.round(x * 100) / 100 + 0) as Vec3;
 

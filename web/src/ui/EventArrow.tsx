@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState, type PointerEvent, type ReactElement } from 'react';
 import * as THREE from 'three';
 import { apply_command, find_event, type Command, type ScenarioEvent } from '../core/document';
-import { arrow_base, arrow_tip, arrow_vector, with_tip, type ArrowBase } from '../core/event_arrows';
+import { arrow_base, arrow_tip, arrow_vector, label_corner, with_tip, type ArrowBase } from '../core/event_arrows';
 import { format_number } from '../core/format';
 import { shown_document } from '../core/state';
 import type { Viewport } from '../view/viewport';
@@ -22,6 +22,7 @@ export function EventArrow({ viewport }: { viewport: Viewport }): ReactElement |
   const event = useStudio((s) => (s.selection.kind === 'event' && s.document ? find_event(shown_document(s)!, s.selection.event) : undefined));
   const line = useRef<SVGPathElement>(null);
   const tip = useRef<HTMLSpanElement>(null);
+  const value = useRef<HTMLSpanElement>(null);
   const [drag, set_drag] = useState<{ plane: THREE.Plane; base: ArrowBase; grip: THREE.Vector3 } | null>(null);
   const changed = useRef<Command | null>(null);
   const on = edit && event !== undefined && arrow_vector(event) !== null;
@@ -42,8 +43,11 @@ export function EventArrow({ viewport }: { viewport: Viewport }): ReactElement |
       const [ux, uy] = [(x1 - x0) / length, (y1 - y0) / length];
       const wing = (side: number): string => `M${x1} ${y1}L${x1 - head * (ux - side * 0.5 * uy)} ${y1 - head * (uy + side * 0.5 * ux)}`;
       line.current?.setAttribute('d', `M${x0} ${y0}L${x1} ${y1}${wing(1)}${wing(-1)}`);
-      if (tip.current) tip.current.dataset.side = ux < 0 ? 'left' : 'right'; // the text is beyond the tip
       if (tip.current) tip.current.style.transform = `translate(${x1}px, ${y1}px) translate(-50%, -50%)`;
+      if (!value.current) return;
+      const { offsetWidth: width, offsetHeight: height } = value.current;
+      const corner = label_corner({ x: x1, y: y1 }, { width, height }, box, ux < 0);
+      value.current.style.translate = `${corner.x - x1}px ${corner.y - y1}px`;
     };
     place();
     return viewport.on_draw(place);
@@ -100,7 +104,7 @@ export function EventArrow({ viewport }: { viewport: Viewport }): ReactElement |
     <div className="event-arrow">
       <svg aria-hidden="true"><path ref={line} /></svg>
       <span ref={tip} className="arrow-tip" title="Drag to change the force over the floor; with Shift also its height" data-dragged={drag !== null} onPointerDown={begin} onPointerMove={move} onPointerUp={() => end(true)} onPointerCancel={() => end(false)}>
-        <span className="arrow-value">{event.type === 'throw' ? `${format_number(amount, 1)} m/s` : `${format_number(amount, 0)} N${event.axes === 'body' ? ', body axes' : ''}`}</span>
+        <span ref={value} className="arrow-value">{event.type === 'throw' ? `${format_number(amount, 1)} m/s` : `${format_number(amount, 0)} N${event.axes === 'body' ? ', body axes' : ''}`}</span>
       </span>
     </div>
   );

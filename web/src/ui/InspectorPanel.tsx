@@ -16,6 +16,7 @@ import { ColorField } from './ColorField';
 import { present_base } from './EventArrow';
 import { describe_camera } from './film/CameraTrack';
 import { CameraFields, ShotFields } from './film/fields';
+import { GroundNotes } from './GroundNotes';
 import { MotionOperations } from './motion/ClipMenu';
 import { GaitFields } from './motion/GaitFields';
 import { JointFields } from './posing/JointFields';
@@ -135,6 +136,7 @@ function CharacterFields({ character, link, doc, posing }: { character: Characte
       <TextField label="Group" value={character.group ?? ''} optional placeholder="none" title="Tracks of characters with the same group are shown together in the timeline and can be folded" on_commit={(group) => send({ type: 'character.set', id: character.id, group })} />
       <ColorField label="Colour" value={character.color ?? '#e6e6ea'} on_commit={(color) => send({ type: 'character.set', id: character.id, color })} />
       <PlacementFields character={character} />
+      <GroundNotes about={character.id} />
       <h4>Motion control</h4>
       <ChoiceField
         label="Drive"

@@ -7,6 +7,7 @@ import type { MechanismData, Vec3 } from '../core/protocol';
 import { run } from './actions';
 import { session, useStudio } from './app';
 import { ColorField } from './ColorField';
+import { GroundNotes } from './GroundNotes';
 import { ChoiceField, NumberField, SwitchField, TextField } from './NumberField';
 import { PlacementFields } from './PlacementFields';
 
@@ -32,6 +33,7 @@ export function PropFields({ character, prop }: { character: Character; prop: Pr
         Prop <span className="of">{character.name}</span>
       </h3>
       <p className="facts">{kind} · {prop.mass > 0 ? `moves, ${format_number(prop.mass, 4)} kg` : 'fixed in the world'}</p>
+      <GroundNotes about={character.id} />
       <TextField label="Name" value={character.name} on_commit={(name) => void session.edit({ type: 'character.set', id: character.id, name })} />
       <TextField label="Group" value={character.group ?? ''} optional placeholder="none" title="Tracks with the same group are shown together in the timeline and can be folded" on_commit={(group) => void session.edit({ type: 'character.set', id: character.id, group })} />
       <Colors character={character} />

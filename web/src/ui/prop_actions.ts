@@ -4,6 +4,7 @@ import type { Command } from '../core/document';
 import { add_mesh_prop, add_prop, prop_kinds, prop_shapes, type PlainShape } from '../core/props';
 import type { LibraryEntry } from '../core/protocol';
 import { imports, library, parts, session } from './app';
+import { is_fixed_prop, place_on_ground } from './GroundNotes';
 
 const in_view = (): { x: number; y: number } => parts.viewport?.looks_at ?? { x: 0, y: 0 };
 
@@ -46,6 +47,21 @@ export function insert_mesh_file(): void {
 
 const has_document = (): boolean => session.state.document !== null;
 
+/** The selected character, if it can be placed on the ground. */
+function placeable(): string | null {
+  const { document, selection, transport } = session.state;
+  const id = selection.kind === 'character' && transport.mode === 'edit' ? selection.character : null;
+  return document?.characters.some((c) => c.id === id && !is_fixed_prop(c)) ? id : null;
+}
+
+function ground_selection(): void {
+  const { document } = session.state;
+  const id = placeable();
+  const command = document && id && place_on_ground(document, [id]);
+  if (command) void session.edit(command);
+  else session.notify('The character already stands on the ground.');
+}
+
 export const prop_commands = [
   ...prop_shapes.map((shape) => ({
     id: `prop.${shape}`,
@@ -54,5 +70,6 @@ export const prop_commands = [
     enabled: has_document,
     run: (): void => insert_prop(shape),
   })),
+  { id: 'edit.ground', label: 'Place the selected character on the ground', group: 'Edit' as const, enabled: (): boolean => placeable() !== null, run: ground_selection },
   { id: 'prop.mesh', label: 'Add prop: mesh file (GLB, OBJ, STL, PLY, DAE)…', group: 'Edit' as const, enabled: has_document, run: insert_mesh_file },
 ];

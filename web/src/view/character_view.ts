@@ -8,6 +8,7 @@ import type { LinkData, MechanismData, ShapeData } from '../core/protocol';
 import { is_whole_body, parts_of_body } from './body_field';
 import { BodySkin, body_surface, hidden_layer, LinkBones, type Glow } from './body_view';
 import type { BodySurface } from './body_surface';
+import { complete_relief, draw_relief, relief_attribute } from './relief';
 import { shadow_material } from './shadow_region';
 import { shade_by_vertices } from './vertex_shading';
 import { SkinView } from './skin_view';
@@ -81,6 +82,7 @@ const paint = new THREE.Color();
 export function link_geometry(link: LinkData, surfaces: Surfaces): THREE.BufferGeometry | null {
   if (link.shapes.length === 0) return null;
   const parts = link.shapes.map((shape) => shape_geometry(shape, surfaces));
+  complete_relief(parts);
   const geometry = mergeGeometries(parts);
   geometry.userData = { counts: parts.map((part) => part.getAttribute('position').count) } satisfies ShapeCounts;
   geometry.computeBoundingSphere();
@@ -88,7 +90,11 @@ export function link_geometry(link: LinkData, surfaces: Surfaces): THREE.BufferG
 }
 
 /** Geometries of a mechanism's links. All characters and ghosts of the mechanism share them. */
-export const mechanism_geometries = (mechanism: MechanismData): (THREE.BufferGeometry | null)[] => mechanism.links.map((link) => link_geometry(link, mechanism.surfaces ?? {}));
+export function mechanism_geometries(mechanism: MechanismData): (THREE.BufferGeometry | null)[] {
+  const geometries = mechanism.links.map((link) => link_geometry(link, mechanism.surfaces ?? {}));
+  complete_relief(geometries);
+  return geometries;
+}
 
 /** Identifies a link of a character. Stored in each mesh's `userData`. */
 export interface LinkTag {
@@ -115,6 +121,8 @@ export class CharacterView {
   /** Mesh of each link; null for links without shapes. */
   readonly links: (THREE.Mesh | null)[];
   private readonly plain: THREE.MeshStandardMaterial;
+  /** Whether the links have a relief. */
+  private readonly relief: boolean;
   /** World poses of the links as drawn: x y z (m) qw qx qy qz of each. */
   private readonly poses: Float32Array;
   private readonly emphasised: Record<Exclude<Emphasis, 'none'>, THREE.MeshStandardMaterial>;
@@ -144,6 +152,7 @@ export class CharacterView {
     for (let i = 0; i < mechanism.links.length; i++) this.poses[7 * i + 3] = 1;
     const surface = surface_of && surface_of(mechanism);
     this.skin = surface && new BodySkin(surface, color, is_whole_body(mechanism));
+    this.relief = geometries.some((geometry) => geometry?.hasAttribute(relief_attribute));
     this.plain = this.material_of(color);
     const tinted = (emissive: number, emissiveIntensity: number): THREE.MeshStandardMaterial => this.material_of(color, { emissive, emissiveIntensity });
     this.emphasised = { hover: tinted(0xffffff, 0.09), selected: tinted(0xff8a3d, 0.34), pulled: tinted(0xff8a3d, 0.5) };
@@ -171,6 +180,7 @@ export class CharacterView {
   private material_of(color: THREE.ColorRepresentation, more: THREE.MeshStandardMaterialParameters = {}): THREE.MeshStandardMaterial {
     const material = new THREE.MeshStandardMaterial({ color, roughness: 0.6, metalness: 0, ...more });
     if (this.skin) Object.assign(material, { onBeforeCompile: shade_link, defines: { ...material.defines, LARGE_TRIANGLES: '' } });
+    else if (this.relief) material.onBeforeCompile = draw_relief;
     return material;
   }
 

@@ -11,6 +11,7 @@ import { CrowdMember } from './crowd_member';
 import { crowd_depth, crowd_material, texel_row } from './crowd_shader';
 import { body_and_machine, rigid_surface, with_shape_colors, type CrowdSurface } from './crowd_surface';
 import { is_far } from './far_surface';
+import { relief_attribute } from './relief';
 
 const first_capacity = 8;
 const max_painted = 16; // surfaces of a mechanism with different colours of its shapes
@@ -51,7 +52,7 @@ class Batch {
 
   constructor(private readonly surface: CrowdSurface) {
     this.uniforms = { u_links: { value: surface.links }, u_poses: { value: null }, u_marks: { value: null } };
-    this.mesh = new THREE.Mesh(instanced(surface.geometry), crowd_material(this.uniforms, { own_colors: surface.geometry.hasAttribute('own_color'), by_vertices: surface.inverses !== null, whole_body: surface.whole_body }));
+    this.mesh = new THREE.Mesh(instanced(surface.geometry), crowd_material(this.uniforms, { own_colors: surface.geometry.hasAttribute('own_color'), by_vertices: surface.inverses !== null, relief: surface.geometry.hasAttribute(relief_attribute), whole_body: surface.whole_body }));
     this.mesh.customDepthMaterial = crowd_depth(this.uniforms);
     this.mesh.matrixAutoUpdate = false;
     this.mesh.frustumCulled = false; // the instances are anywhere

@@ -1,5 +1,6 @@
 /** Materials of a crowd: three.js's materials with instances whose links are posed from a texture. */
 import * as THREE from 'three';
+import { draw_relief } from './relief';
 import { glow_light, shade_by_vertices } from './vertex_shading';
 
 /** Texels in a row of the textures of a crowd; every WebGL 2 has textures of this width. */
@@ -71,12 +72,13 @@ void crowd_look() {
 /**
  * The shaded material. Colour, roughness and metalness are attributes of the instances.
  * @param options own_colors: the vertices have the attribute `own_color`: r g b (linear) and the share of it in the colour; by_vertices: bodies are
- * shaded by vertices (shade_by_vertices()); whole_body: nothing but the smooth surface of a body is drawn
+ * shaded by vertices (shade_by_vertices()); relief: the vertices have a relief, which is drawn unless they are shaded by vertices; whole_body: nothing but the smooth surface of a body is drawn
  */
-export function crowd_material(uniforms: CrowdUniforms, { own_colors, by_vertices, whole_body }: { own_colors: boolean; by_vertices: boolean; whole_body: boolean }): THREE.MeshStandardMaterial {
+export function crowd_material(uniforms: CrowdUniforms, { own_colors, by_vertices, relief, whole_body }: { own_colors: boolean; by_vertices: boolean; relief: boolean; whole_body: boolean }): THREE.MeshStandardMaterial {
   const material = new THREE.MeshStandardMaterial();
   if (own_colors) material.defines = { ...material.defines, OWN_COLORS: '' };
   if (by_vertices) material.defines = { ...material.defines, BY_VERTICES: '', ...(whole_body ? {} : { LARGE_TRIANGLES: '' }) };
+  if (relief && !by_vertices) material.defines = { ...material.defines, RELIEF: '' };
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
     shader.vertexShader = shader.vertexShader
@@ -90,6 +92,7 @@ export function crowd_material(uniforms: CrowdUniforms, { own_colors, by_vertice
       .replace('#include <roughnessmap_fragment>', 'float roughnessFactor = v_surface.x;')
       .replace('#include <metalnessmap_fragment>', 'float metalnessFactor = v_surface.y;')
       .replace('#include <emissivemap_fragment>', `totalEmissiveRadiance += ${glow_light};`);
+    if (relief) draw_relief(shader);
   };
   return material;
 }

@@ -5,6 +5,7 @@ import type { MechanismData } from '../core/protocol';
 import { parts_of_body } from './body_field';
 import type { BodySurface, IndexRange } from './body_surface';
 import { shape_colors } from './character_view';
+import { relief_attribute } from './relief';
 
 export interface CrowdSurface {
   /** Attributes position and normal (rest pose), skinIndex (links) and skinWeight. */
@@ -40,6 +41,7 @@ export function body_and_machine(body: BodySurface, mechanism: MechanismData, ge
   if (parts.length === 0) return skinned;
   for (const part of parts) {
     const bind = body.inverses[part.getAttribute('skinIndex').getX(0)]!.clone().invert();
+    part.deleteAttribute(relief_attribute);
     for (const name of ['position', 'normal']) part.setAttribute(name, part.getAttribute(name).clone());
     part.applyMatrix4(bind);
   }
@@ -63,7 +65,7 @@ function link_parts(geometries: readonly (THREE.BufferGeometry | null)[]): THREE
     if (!geometry) return [];
     const { count } = geometry.getAttribute('position');
     const part = new THREE.BufferGeometry();
-    for (const name of ['position', 'normal']) part.setAttribute(name, geometry.getAttribute(name));
+    for (const name of ['position', 'normal', relief_attribute]) if (geometry.hasAttribute(name)) part.setAttribute(name, geometry.getAttribute(name));
     part.setIndex(geometry.index);
     part.setAttribute('skinIndex', new THREE.BufferAttribute(new Uint16Array(4 * count).fill(link), 4));
     part.setAttribute('skinWeight', new THREE.BufferAttribute(Float32Array.from({ length: 4 * count }, (_, i) => (i % 4 === 0 ? 1 : 0)), 4));

@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { mergeVertices, toCreasedNormals } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { HeightFieldSurface, MechanismData, MeshSurface } from '../core/protocol';
+import { add_relief } from './relief';
 
 export type Surfaces = NonNullable<MechanismData['surfaces']>;
 
@@ -54,6 +55,9 @@ function field_geometry(field: HeightFieldSurface): THREE.BufferGeometry {
   geometry.setAttribute('position', new THREE.Float32BufferAttribute(points, 3));
   geometry.setIndex(index);
   geometry.computeVertexNormals();
+  let [lowest, highest] = [Infinity, -Infinity];
+  for (const height of heights) [lowest, highest] = [Math.min(lowest, height), Math.max(highest, height)];
+  add_relief(geometry, lowest, highest);
   return geometry;
 }
 

@@ -14,6 +14,7 @@ import { CameraRig } from './camera';
 import type { LinkTag } from './character_view';
 import { DrawnCharacters } from './drawn_characters';
 import { FrameOverlays, type ClosestPair, type Pull } from './frame_overlays';
+import { standing, type DrawnBody, type Standing } from './ground';
 import type { PoseGhosts } from './other_times';
 import { Picker, type Pick } from './picker';
 import { on_texture } from './skin_view';
@@ -187,6 +188,19 @@ export class Viewport {
   /** Bounding sphere of a character (null: of all characters) as drawn now, m; null if nothing is drawn. */
   bounds(character: string | null): THREE.Sphere | null {
     return this.drawn.bounds(character);
+  }
+
+  /** How a character stands on the floor and on the props that do not move, as drawn now; null if it is not drawn. */
+  standing(character: string): Standing | null {
+    const doc = shown_document(this.session.state);
+    const body = this.drawn.find(character)?.member;
+    if (!doc || !body) return null;
+    const props = new Map<string, DrawnBody>();
+    for (const { id, prop } of doc.characters) {
+      const member = prop && !(prop.mass > 0) && id !== character ? this.drawn.find(id)?.member : undefined;
+      if (member) props.set(id, member);
+    }
+    return standing(body, props, doc.ground?.height ?? 0);
   }
 
   /** Point above a character at which its badge is shown, m. */

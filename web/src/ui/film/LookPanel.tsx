@@ -48,6 +48,8 @@ function MaterialFields({ character, link }: { character: Character; link: numbe
   const color = character.color ?? '#e6e6ea';
   const { roughness = 0.6, metalness = 0, link_colors = {} } = character;
   const part = link !== undefined ? mechanism?.links[link] : undefined;
+  const textured = character.prop !== undefined && mechanism?.skin !== undefined && character.shown !== 'body';
+  const painted = !textured && (character.shape_colors ?? []).length > 0 && character.shape_colors!.every(Boolean);
   const clothes = mechanism ? clothes_of(mechanism) : [];
   const colors_with = (links: readonly string[], value: string | null): Command => {
     const colors = { ...link_colors };
@@ -58,12 +60,12 @@ function MaterialFields({ character, link }: { character: Character; link: numbe
     return set({ link_colors: colors });
   };
   const take = (preset: MaterialPreset): void =>
-    send(part ? colors_with([part.name], preset.color) : set({ color: preset.color, roughness: preset.roughness, metalness: preset.metalness }));
+    send(part ? colors_with([part.name], preset.color) : set({ ...(textured || painted ? {} : { color: preset.color }), roughness: preset.roughness, metalness: preset.metalness }));
   const number = (key: 'roughness' | 'metalness') => ({
     on_preview: (value: number | null) => preview(value === null ? null : set({ [key]: value })),
     on_commit: (value: number) => send(set({ [key]: value })),
   });
-  const is_taken = (m: MaterialPreset): boolean => !part && m.color === color && m.roughness === roughness && m.metalness === metalness;
+  const is_taken = (m: MaterialPreset): boolean => !part && (textured || painted || m.color === color) && m.roughness === roughness && m.metalness === metalness;
   return (
     <>
       <h3>
@@ -88,7 +90,9 @@ function MaterialFields({ character, link }: { character: Character; link: numbe
         </>
       ) : (
         <>
-          <ColorField label="Colour" value={color} on_preview={(v) => preview(set({ color: v }))} on_commit={(v) => send(set({ color: v }))} />
+          {!textured && !painted && <ColorField label="Colour" value={color} on_preview={(v) => preview(set({ color: v }))} on_commit={(v) => send(set({ color: v }))} />}
+          {textured && <p className="facts">Drawn with the textures of its file. <em>Colours</em> draws it in colours that you can change.</p>}
+          {painted && <p className="facts">Its materials have colours of their own, which the inspector shows.</p>}
           <NumberField label="Roughness" value={roughness} step={0.01} min={0} max={1} slider title="0: sharp highlights, 1: matt" {...number('roughness')} />
           <NumberField label="Metal" value={metalness} step={0.01} min={0} max={1} slider title="0: plastic, skin, cloth, wood; 1: metal, which reflects sky and ground" {...number('metalness')} />
         </>
