@@ -3,12 +3,13 @@
 //   fps, worst   frame rate and longest frame by wall time (requestAnimationFrame): valid only on an otherwise idle machine
 //   cpu          CPU time of the page's main thread per frame, ms: valid on a busy machine too; 30 fps need less than 33
 import { chromium } from 'playwright-core';
+import { browser_program } from './browser.mjs';
 import { start_service } from './service.mjs';
 
 const lsis = Number(process.argv[2] ?? 10000);
 const service = await start_service();
 const browser = await chromium.launch({
-  executablePath: process.env.UGOKI_CHROMIUM ?? '/usr/bin/chromium',
+  executablePath: browser_program,
   args: ['--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-gpu-compositing', '--disable-gpu-rasterization', '--disable-accelerated-2d-canvas', '--no-first-run', '--disable-background-networking'],
 });
 const page = await browser.newPage({ viewport: { width: 1440, height: 900 } });
