@@ -20,7 +20,8 @@ namespace {
 
 constexpr const char* usage =
     "usage: ugoki_control_bench [options] [files and sample motions]\n"
-    "  files: BVH or AMC; sample motions: sample-stand, sample-walk, sample-dog-stand, sample-dog-trot\n"
+    "  files: BVH or AMC; sample motions: sample-stand, sample-walk, sample-dog-stand, sample-dog-trot,\n"
+    "  gait-SPEED: a computed walk of 60 s at this speed (m/s)\n"
     "  --loop SECONDS       make each motion cyclic and repeat it\n"
     "  --push J             push rose: impulse J per mass (N s/kg) in 0.2 s at the chest, 8 directions; needs --loop.\n"
     "                       Several --push options measure several impulses\n"
@@ -28,6 +29,8 @@ constexpr const char* usage =
     "  --svg FILE           write a plot of all push roses\n"
     "  --slope DEGREES, --steps M, --tiles M   terrain that the reference does not contain\n"
     "  --one TIME ANGLE J   one push with impulse J per mass (N s/kg) at TIME (s) towards ANGLE (degrees)\n"
+    "  --starts N           N runs of each motion (at most 9): one as it is, the others with a push of 0.03 N s/kg after 1 s in\n"
+    "                       N - 1 directions; prints the number of falls and the time for each fall\n"
     "  --friction MU        friction of the floor (default 0.9)\n"
     "  --self               collisions between the links of the character\n"
     "  --set NAME VALUE     parameter of the controller\n"
@@ -40,7 +43,7 @@ struct Options {
   double loop = 0, one = 0;
   std::vector<double> roses;  // N s/kg
   std::string svg;
-  int phases = 4;
+  int phases = 4, starts = 1;
   std::vector<std::string> files;
 };
 
@@ -70,6 +73,7 @@ std::vector<std::pair<std::string, double*>> parameters(control::BalanceOptions&
           {"homing", &o.homing},
           {"max-homing", &o.max_homing},
           {"max-turn-home", &o.max_turn_home},
+          {"homing-slope", &o.homing_slope},
           {"shift-growth", &o.shift_growth},
           {"max-transfer", &o.max_transfer},
           {"clearance", &o.clearance},
@@ -100,6 +104,7 @@ std::vector<std::pair<std::string, double*>> parameters(control::BalanceOptions&
           {"momentum-gain", &o.momentum_gain},
           {"chest-weight", &o.chest_weight},
           {"swing-weight", &o.swing_weight},
+          {"turn-margin", &o.turn_margin},
           {"sole-damping", &o.sole_damping},
           {"lifted", &o.lifted},
           {"max-shift", &o.max_shift},
@@ -130,6 +135,8 @@ bool parse(int argc, char** argv, Options& o) {
       o.settings.friction = number();
     } else if (a == "--push") {
       o.roses.push_back(number());
+    } else if (a == "--starts") {
+      o.starts = std::clamp(static_cast<int>(number()), 1, 9);
     } else if (a == "--svg" && i + 1 < argc) {
       o.svg = argv[++i];
     } else if (a == "--phases") {
@@ -220,6 +227,8 @@ int main(int argc, char** argv) {
     return good ? 0 : 1;
   }
   std::vector<bench::RosePoint> points;
+  int runs = 0, falls = 0;
+  double seconds = 0;
   for (const std::string& file : o.files) {
     const Result<bench::ClipFile> clip = bench::read_clip(file);
     if (!clip) {
@@ -238,17 +247,29 @@ int main(int argc, char** argv) {
     const auto reference = std::make_shared<const bench::MotionReference>(clip->mechanism, motion, o.loop);
     for (const double impulse : o.roses) run_rose(*clip, motion, reference, o, impulse, points);
     if (!o.roses.empty()) continue;
-    bench::RunSettings s = o.settings;
-    s.push.force = s.push.force * (o.one * clip->mechanism->mass() / s.push.duration);
-    const bench::Outcome r = bench::run(clip->mechanism, reference, s);
-    std::printf(
-        "%-18s %s %6.2f / %6.2f s  tracking %5.2f deg  slip mean %.2f worst %.2f cm  depth %.1f mm  travel %.1f m  control %5.1f us total "
-        "%5.1f us (%.1f x real time)  "
-        "iterations %d unsolved %d  state %016llx\n",
-        clip->name.c_str(), r.fell ? "FELL " : "whole", r.time, reference->end(), r.tracking_deg, r.slip_mean_cm, r.slip_worst_cm,
-        r.penetration_mm, r.travel, r.control_us, r.total_us, 1e6 * s.dt / r.total_us, r.max_iterations, r.unsolved,
-        static_cast<unsigned long long>(r.hash));
+    for (int start = 0; start < o.starts; ++start) {
+      bench::RunSettings s = o.settings;
+      s.push.force = s.push.force * (o.one * clip->mechanism->mass() / s.push.duration);
+      if (start > 0) {
+        const double angle = 2 * pi * (start - 1) / (o.starts - 1);
+        s.push.time = 1;
+        s.push.force = Vec3{ugoki::cos(angle), ugoki::sin(angle), 0} * (0.03 * clip->mechanism->mass() / s.push.duration);
+      }
+      const bench::Outcome r = bench::run(clip->mechanism, reference, s);
+      std::printf(
+          "%-18s %s %6.2f / %6.2f s  tracking %5.2f deg  slip mean %.2f worst %.2f cm  depth %.1f mm  travel %.1f m  control %5.1f us "
+          "total "
+          "%5.1f us (%.1f x real time)  "
+          "iterations %d unsolved %d  state %016llx\n",
+          clip->name.c_str(), r.fell ? "FELL " : "whole", r.time, reference->end(), r.tracking_deg, r.slip_mean_cm, r.slip_worst_cm,
+          r.penetration_mm, r.travel, r.control_us, r.total_us, 1e6 * s.dt / r.total_us, r.max_iterations, r.unsolved,
+          static_cast<unsigned long long>(r.hash));
+      ++runs;
+      falls += r.fell ? 1 : 0;
+      seconds += r.time;
+    }
   }
+  if (runs > 1) std::printf("%d falls in %d runs, %.0f s; %.0f s for each fall\n", falls, runs, seconds, seconds / std::max(1, falls));
   if (!o.svg.empty()) {
     const Result<void> written = files::write_file(o.svg, bench::rose_svg(points));
     if (!written) {

@@ -1,5 +1,6 @@
 #include "scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -7,12 +8,15 @@
 #include <filesystem>
 
 #include "ugoki/base/hash.h"
+#include "ugoki/base/number.h"
 #include "ugoki/body/body.h"
 #include "ugoki/files/files.h"
 #include "ugoki/formats/asf.h"
+#include "ugoki/gait/gait.h"
 #include "ugoki/intake/intake.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/reference.h"
+#include "ugoki/motion/torques.h"
 #include "ugoki/samples/samples.h"
 
 namespace ugoki::bench {
@@ -42,6 +46,18 @@ Result<ClipFile> read_clip(const std::string& path) {
     motion.cyclic = true;
     return ClipFile{path, body->mechanism, std::make_shared<const Motion>(std::move(motion))};
   }
+  if (path.starts_with("gait-")) {
+    const std::optional<double> speed = parse_double(path.substr(5));
+    if (!speed) return fail(ErrorCode::syntax, path, "This is not a gait.", "Give the speed in m/s, for example gait-1.25.");
+    Result<body::Body> body = body::make_body(samples::make_human_walk());
+    if (!body) return fail(std::move(body.error()));
+    gait::GaitOptions options;
+    options.stages = {{0, gait::GaitKind::walk, *speed, 0}};
+    options.seconds = 60;
+    Result<Motion> motion = gait::make_gait(body->mechanism, options);
+    if (!motion) return fail(std::move(motion.error()));
+    return ClipFile{path, body->mechanism, std::make_shared<const Motion>(std::move(*motion))};
+  }
   Result<std::string> text = files::read_file(path);
   if (!text) return fail(std::move(text.error()));
   std::optional<formats::Asf> skeleton;
@@ -65,6 +81,19 @@ MotionReference::MotionReference(MechanismPtr mechanism, const Motion& motion, d
   clip_.length = length > 0 ? length : motion.duration();
   clip_.loop = motion.cyclic;
   if (motion.cyclic) clip_.cycle = cycle_of(motion, *mechanism_);
+  if (!is_computed(motion)) return;
+  for (const ContactTrack& track : motion.contacts)
+    if (const int link = mechanism_->find_link(track.link); link >= 0) contacts_.emplace_back(link, track.on);
+}
+
+bool MotionReference::contacts(double t, std::span<std::uint8_t> on) const {
+  if (contacts_.empty()) return false;
+  const double time = phase_of(clip_, motion_.duration(), t).time;
+  const auto frame =
+      static_cast<std::size_t>(std::clamp(std::floor(time * motion_.rate() + 0.5), 0.0, static_cast<double>(motion_.frames() - 1)));
+  std::ranges::fill(on, std::uint8_t{0});
+  for (const auto& [link, labels] : contacts_) on[static_cast<std::size_t>(link)] = labels[frame];
+  return true;
 }
 
 void MotionReference::sample(double t, std::span<double> q, std::span<double> v, std::span<double> a) const {

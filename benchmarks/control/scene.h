@@ -19,7 +19,8 @@ struct ClipFile {
   MechanismPtr mechanism;
   MotionPtr motion;
 };
-/// Reads a BVH or AMC file, or makes a sample motion: `sample-stand`, `sample-walk`, `sample-dog-trot`, `sample-dog-stand`.
+/// Reads a BVH or AMC file, or makes a sample motion: `sample-stand`, `sample-walk`, `sample-dog-trot`, `sample-dog-stand`,
+/// or `gait-SPEED`: a computed walk of the sample human for 60 s at this speed in m/s, with start and stop.
 Result<ClipFile> read_clip(const std::string& path);
 
 /// Reference motion: a motion played once, or a cyclic motion repeated.
@@ -28,10 +29,12 @@ class MotionReference final : public control::ReferenceMotion {
   MotionReference(MechanismPtr mechanism, const Motion& motion, double length);
   void sample(double t, std::span<double> q, std::span<double> v, std::span<double> a) const override;
   [[nodiscard]] double end() const override { return clip_.length; }
+  [[nodiscard]] bool contacts(double t, std::span<std::uint8_t> on) const override;
 
  private:
   MechanismPtr mechanism_;
   SmoothMotion motion_;
+  std::vector<std::pair<int, std::vector<std::uint8_t>>> contacts_;  // links with their labels in each frame; empty: not known
   Clip clip_;
 };
 

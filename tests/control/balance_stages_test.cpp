@@ -156,6 +156,23 @@ TEST(ReferenceAnchor, FollowsTheFootThatStaysAndNotTheFootThatLanded) {
   EXPECT_LT(std::hypot(state.x, state.y), 0.15 * norm(offset));
 }
 
+TEST(ReferenceAnchor, TurnsBackToItsHeadingOnASlopeToo) {
+  const Walker w;
+  const auto stand = std::make_shared<const ChangedStand>(w, 3, [](double, std::span<double>) {});
+  BalanceModel model(w.body.mechanism, stand, {}, 0);
+  BalanceState state;
+  state.feet[0].stands = state.feet[1].stands = 1;
+  state.time = 1;
+  state.heading = 0.2;  // rad: the character has turned as far as its reference
+  state.tilt[0] = 0.18;
+  model.sample_reference(state);
+  dynamics::update_kinematics(*model.mechanism, model.q_ref, model.v_ref, model.now);
+  model.centroid = dynamics::calc_centroidal(*model.mechanism, model.now);
+  ReferenceAnchor anchor;
+  anchor.update(model, model.options.heading_time, state);
+  EXPECT_NEAR(state.heading, 0.2 * (1 - model.options.homing), 1e-6);
+}
+
 TEST(BalanceControl, PlanKeepsJointLimits) {
   // One knee has a limit that the reference exceeds by 0.3 rad. The program plans accelerations that keep this limit, so that the step
   // meets the planned accelerations of the knee.
@@ -379,6 +396,48 @@ TEST(SwingPath, HumpIsOverAllObstaclesAndNotMuchHigher) {
     EXPECT_LE(hump.height, 1.25 * highest) << "trial " << trial;  // 1 - 0.75^12 = 0.97 at the first sample
     EXPECT_EQ(swing_path(foot, {0, 0, 0}, {}, 0).height, 0);
   }
+}
+
+TEST(SwingPath, IsStraightWithoutAHump) {
+  BalanceState::FootState foot;
+  foot.from[2] = 0.2;
+  foot.to[0] = 0.8;
+  foot.to[2] = 0.34;
+  for (const double s : {0.1, 0.25, 0.9}) EXPECT_NEAR(swing_path(foot, {0.8 * s, 0, 9}, {}, 0.5).height, 0.2 + 0.14 * s, 1e-12);
+}
+
+TEST(GroundPlan, FeetSwingAlongASlopeWithoutAHump) {
+  const Walker w;
+  const Mat3 R = rotation_about({0, 1, 0}, -5 * pi / 180);
+  LinkSpec link;
+  link.name = "slope";
+  link.joint.type = JointType::fixed;
+  link.shapes.push_back(Shape::box({20, 20, 0.5}, {R, R * Vec3{0, 0, -0.5}}));
+  MechanismSpec spec;
+  spec.name = "slope";
+  spec.links.push_back(std::move(link));
+  const std::vector<MechanismPtr> systems{w.body.mechanism, Mechanism::make(std::move(spec)).value()};
+  const auto walk = std::make_shared<const Looped>(w.body.mechanism, motion_of(w.body, w.walk), 5);
+  BalanceModel model(w.body.mechanism, walk, {}, 0, GroundMap(systems, 0, -100));
+  GroundSupport support(model);
+  GroundPlan plan(model);
+  BalanceState state;
+  state.started = 1;
+  state.clock = 1;
+  state.feet[1].stands = 1;
+  const ScheduledFoot swing = model.schedule.at(0, model.schedule.stances(0)[1].begin - 0.01);
+  for (const double phase : {0.0, 0.4}) {
+    state.time = swing.begin + phase * (swing.end - swing.begin);
+    for (int i = 0; i < 300; ++i) {
+      model.sample_reference(state);
+      dynamics::update_kinematics(*model.mechanism, model.q_ref, model.v_ref, model.now);
+      model.centroid = dynamics::calc_centroidal(*model.mechanism, model.now);
+      plan.update(model, support, 0.002, state);
+    }
+    if (phase == 0) model.lift(0, state);
+  }
+  ASSERT_GT(state.feet[0].to[2] - state.feet[0].from[2], 0.05);
+  EXPECT_LT(state.feet[0].bump, 1e-3);
 }
 
 TEST(GroundPlan, BodyIsLoweredForAFootThatLandsLate) {

@@ -1,6 +1,7 @@
 #include "ugoki/control/balance_tasks.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "ugoki/control/hang_plan.h"
@@ -56,7 +57,25 @@ void add_turn_task(const BalanceModel& model, int link, const Mat3& R_ref, doubl
   }
 }
 
-void add_swing_task(const BalanceModel& model, std::size_t f, const BalanceState& state, QuadraticProgram& program) {
+/// Share of the weight of the orientation of a swing foot. On sloping ground, the orientation can be beyond a limit of the foot's joint.
+/// Only the leg and the body could turn the foot further, so the share decreases where the joint comes close to a limit.
+double turn_share(const BalanceModel& model, const BalanceInput& in, const BalanceState::FootState& memory, const Foot& foot) {
+  constexpr double min_share = 0.02, level = 0.05;  // minimum of the share; slope below which the ground counts as partly level
+  const double slope = std::min(1.0, norm(Vec3{memory.tilt[0], memory.tilt[1], 0}) / level);
+  if (slope == 0) return 1;
+  const Link& link = model.mechanism->link(foot.link);
+  std::array<double, 6> x{};
+  joint_displacement(link.joint, in.q.data() + link.q_index, x.data());
+  double margin = model.options.turn_margin;
+  for (int k = 0; k < link.joint.nv(); ++k) {
+    const Dof& d = model.now.dofs[at(link.v_index + k)];
+    margin = std::min({margin, d.upper - x[at(k)], x[at(k)] - d.lower});
+  }
+  return 1 + slope * (std::max(min_share, margin / model.options.turn_margin) - 1);
+}
+
+void add_swing_task(const BalanceModel& model, const BalanceInput& in, std::size_t f, const BalanceState& state,
+                    QuadraticProgram& program) {
   const Foot& foot = model.feet[f];
   const BalanceState::FootState& memory = state.feet[f];
   const auto l = at(foot.link);
@@ -99,7 +118,9 @@ void add_swing_task(const BalanceModel& model, std::size_t f, const BalanceState
   if (late) target.z = model.options.sole_damping * (-model.options.press_speed - v.z);
   const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   add_point_rows(model, foot.link, p, target, model.options.swing_weight, axes, program);
-  if (foot.turns) add_turn_task(model, foot.link, levelled(model, memory, f), w, model.options.swing_turn_weight, program);
+  if (foot.turns)
+    add_turn_task(model, foot.link, levelled(model, memory, f), w, turn_share(model, in, memory, foot) * model.options.swing_turn_weight,
+                  program);
 }
 
 /// Adds the task that a foot moves to the place below the body where it will land.
@@ -251,7 +272,7 @@ void BalanceTasks::add_links(const BalanceModel& model, const GroundSupport& sup
     else if ((hang == HangMode::drops || hang == HangMode::lands) && !state.feet[f].reacts)
       add_landing_task(model, f, state, program);
     else
-      add_swing_task(model, f, state, program);
+      add_swing_task(model, in, f, state, program);
   }
 }
 

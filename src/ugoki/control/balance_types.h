@@ -24,6 +24,8 @@ struct BalanceOptions {
   double joint_weight = 1, leg_weight = 0.3;
   double swing_frequency = 45;  ///< rad/s: natural frequency of the errors of swing feet
   double swing_weight = 60, swing_turn_weight = 3;
+  double turn_margin =
+      0.1;  ///< rad: on slopes, the orientation of a swing foot counts less if a joint of the foot is closer than this to a limit
   double flat = 0.15, steep = 0.4;        ///< rad: a sole tilted by less than `flat` is made level; a tilt above `steep` is kept
   double sole_damping = 40;               ///< 1/s: decay rate of the velocity of a sole point in stance
   double sole_weight = 1e5;               ///< weight of the constraints of standing feet
@@ -49,7 +51,7 @@ struct BalanceOptions {
   double homing = 0.1;       ///< share of its lateral displacement by which the reference is ahead of the foot, back towards its own place
   double max_homing = 0.02;  ///< maximum of this distance, in heights of the centre of mass
   double max_turn_home = 0.03;  ///< rad: the same for the heading
-  double homing_slope = 0.05;   ///< slope of the ground from which on the reference does not return, because balance needs all of the step
+  double homing_slope = 0.05;   ///< slope of the ground from which on the reference does not return sideways: balance needs all of the step
   double heading_time = 0.2;    ///< s: time constant of the anchor's heading; 0: the heading is not anchored
   double turn_time = 0.1;       ///< s: time constant with which a foot that turns on the ground follows the heading of its reference
   double shift_growth = 1.5;    ///< 1/s: assumed growth rate of the DCM error until touch-down; without ankle torques the rate is w0

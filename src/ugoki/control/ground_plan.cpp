@@ -221,15 +221,15 @@ void GroundPlan::update_foot(const BalanceModel& model, std::size_t f, double dt
   Hump hump;
   if (distance > min_way) {
     const Vec3 reach = way * (norm(half_[f][0]) / distance);
+    const double lean = foot.tilt[0] * reach.x + foot.tilt[1] * reach.y;  // m: the sole swings with the slope of its foothold
     std::array<double, Hump::samples> needed{};
     for (std::size_t k = 0; k < Hump::samples; ++k) {
       const double s = Hump::place(k);
-      const double line = foot.from[2] + (foot.to[2] - foot.from[2]) * smooth_step(s).value;
-      const double straight = foot.from[2] + (foot.to[2] - foot.from[2]) * s;
+      const double line = foot.from[2] + (foot.to[2] - foot.from[2]) * s;
       for (const double side : {-1.0, 0.0, 1.0}) {
-        const double height = model.map_height(state, from + way * s + reach * side) + state.loose;
-        needed[k] = std::max(needed[k], height - line);
-        rough = std::max(rough, std::fabs(height - straight));
+        const double height = model.map_height(state, from + way * s + reach * side) + state.loose - line - lean * side;
+        needed[k] = std::max(needed[k], height);
+        rough = std::max(rough, std::fabs(height));
       }
     }
     hump = hump_over(needed);

@@ -24,7 +24,7 @@ void ReferenceAnchor::home(const BalanceModel& model, const BalanceState& state,
   const double largest = model.options.max_homing * (model.want.centre.z - model.floor);
   shift -= away * (level * std::min(model.options.homing, largest / std::max(norm(away), 1e-9)));
   const double turned = std::remainder(state.heading, 2 * pi);
-  turn -= level * std::clamp(model.options.homing * turned, -model.options.max_turn_home, model.options.max_turn_home);
+  turn -= std::clamp(model.options.homing * turned, -model.options.max_turn_home, model.options.max_turn_home);
 }
 
 void ReferenceAnchor::update(const BalanceModel& model, double dt, BalanceState& state) {

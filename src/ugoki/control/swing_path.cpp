@@ -31,8 +31,7 @@ Hump hump_over(const std::array<double, Hump::samples>& needed) {
     double& sharp = hump.sharp[u > 0 ? 0 : 1];  // 1 - |u|^(2 m) = needed / (spare * highest)
     sharp = std::clamp(log(1 - needed[k] / (spare * highest)) / log(u * u), sharp, max_sharp);
   }
-  for (std::size_t k = 0; k < Hump::samples; ++k)
-    hump.height = std::max(hump.height, needed[k] / shape(Hump::place(k), hump.sharp).value);
+  for (std::size_t k = 0; k < Hump::samples; ++k) hump.height = std::max(hump.height, needed[k] / shape(Hump::place(k), hump.sharp).value);
   return hump;
 }
 
@@ -41,9 +40,9 @@ SwingPath swing_path(const BalanceState::FootState& foot, const Vec3& p, const V
   const double square = dot(way, way);
   const double s = square > min_way * min_way ? std::clamp(dot(horizontal(p) - from, way) / square, 0.0, 1.0) : smooth_step(phase).value;
   const double rate = square > min_way * min_way && s > 0 && s < 1 ? dot(v, way) / square : 0;
-  const SmoothStep line = smooth_step(s), hump = shape(s, foot.sharp);
+  const SmoothStep hump = shape(s, foot.sharp);
   const double rise = foot.to[2] - foot.from[2];
-  return {foot.from[2] + rise * line.value + foot.bump * hump.value, (rise * line.rate + foot.bump * hump.rate) * rate};
+  return {foot.from[2] + rise * s + foot.bump * hump.value, (rise + foot.bump * hump.rate) * rate};
 }
 
 }  // namespace ugoki::control

@@ -26,7 +26,7 @@ struct Hump {
 /// m: for a shorter step, the height of the path follows the phase of the swing.
 constexpr double min_way = 0.05;
 
-/// Ground below a swing foot: a smooth line from the place that the foot left to its foothold, with the hump on it.
+/// Ground below a swing foot: a straight line from the place that the foot left to its foothold, with the hump on it.
 struct SwingPath {
   double height = 0;  ///< m, world
   double rate = 0;    ///< m/s
