@@ -197,7 +197,7 @@ async function check_windows(page, list, sizes, whole = false) {
       const found = await crowded(page);
       if (whole && (width < 900 || width === 1440)) found.push(...(await violations(page)));
       for (const line of new Set(found)) bad.push(`${name}, ${width} x ${height} (${theme}): ${line}`);
-      if (whole || process.env.UGOKI_PICTURES === '1') await page.screenshot({ path: `${pictures}view-${name.replaceAll(' ', '-')}-${width}-${theme}.png` });
+      if (sizes.length > 1 || process.env.UGOKI_PICTURES === '1') await page.screenshot({ path: `${pictures}view-${name.replaceAll(' ', '-')}-${width}-${theme}.png` });
     }
     await resize(page, [1440, 900]);
     await leave?.(page);

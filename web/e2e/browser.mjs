@@ -5,13 +5,16 @@ import { chromium } from 'playwright-core';
 /** The program to start: the headless shell takes an eighth less processor time for a journey than Chromium. */
 export const browser_program = process.env.UGOKI_CHROMIUM ?? ['/usr/bin/chromium-headless-shell', '/usr/bin/chromium'].find(existsSync);
 
-/** WebGL is rendered by Mesa, which takes a quarter less processor time for a journey than SwiftShader, the renderer of Chromium. */
-export const launch = () =>
+/**
+ * @param renderer renderer of WebGL: 'swiftshader', or 'gl-egl' (Mesa), which `ugoki export` uses. Mesa takes a quarter less processor time
+ * for most journeys, but with it the page of a textured skin sometimes stands still for a minute.
+ */
+export const launch = (renderer = 'swiftshader') =>
   chromium.launch({
     executablePath: browser_program,
     args: [
-      '--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=gl-egl', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist', '--disable-quic', '--no-first-run',
-      // rasterize the page on the CPU; by Mesa, it would take ten times as long
+      '--headless', '--no-sandbox', '--use-gl=angle', `--use-angle=${renderer}`, '--enable-unsafe-swiftshader', ...(renderer === 'swiftshader' ? [] : ['--ignore-gpu-blocklist']), '--disable-quic', '--no-first-run',
+      // rasterize the page on the CPU; only WebGL uses SwiftShader, with which rasterizing the page would take ten times as long
       '--disable-gpu-rasterization', '--disable-accelerated-2d-canvas',
       '--disable-background-networking', '--disable-component-update', '--disable-sync',
     ],

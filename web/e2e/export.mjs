@@ -557,7 +557,8 @@ await test('a picture of an export equals the picture of the studio', async () =
   const web = join(here, '../dist');
   if (!existsSync(join(web, 'index.html'))) return 'the page of the studio is not built';
   const time = 1.5;
-  const context = await browser.newContext({ viewport: { width: 1400, height: 900 }, deviceScaleFactor: 1 });
+  const own = await launch('gl-egl');
+  const context = await own.newContext({ viewport: { width: 1400, height: 900 }, deviceScaleFactor: 1 });
   // The studio draws as with a graphics processor (smooth edges, no reduced resolution), and keeps its picture, so that it can be read.
   await context.addInitScript(() => {
     const get = HTMLCanvasElement.prototype.getContext;
@@ -625,7 +626,7 @@ await test('a picture of an export equals the picture of the studio', async () =
     client.close();
   } finally {
     studio.stop();
-    await context.close();
+    await own.close();
   }
   return undefined;
 });
