@@ -142,7 +142,7 @@ async function run_all() {
     }, process.env.UGOKI_PICTURES !== '1');
     const { seen } = context;
     page.on('request', (r) => seen.requests.push(r.url()));
-    page.on('pageerror', (e) => seen.errors.push(e.message));
+    page.on('pageerror', (e) => seen.errors.push(e.stack ?? e.message));
     page.on('console', (m) => {
       // a refused import is answered with status 4xx, which the browser logs as an error
       if (m.type() === 'error' && !/status of 4\d\d/.test(m.text())) seen.errors.push(m.text());
