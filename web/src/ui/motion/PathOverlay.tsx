@@ -1,5 +1,5 @@
 /** The path of a gait over the floor: its line, handles that move its points, and the hint while a path is drawn. */
-import { useEffect, useRef, useState, type PointerEvent, type ReactElement } from 'react';
+import { useEffect, useLayoutEffect, useRef, useState, type PointerEvent, type ReactElement } from 'react';
 import * as THREE from 'three';
 import { find_clip } from '../../core/document';
 import { from_world, path_length, smooth_path, to_world, with_lead, type Point, type Start } from '../../core/motion/gait';
@@ -46,7 +46,8 @@ export function PathOverlay({ viewport }: { viewport: Viewport }): ReactElement 
   const line_through = base ? smooth_path(with_lead(points.map((p) => from_world(base, p))).map((p) => to_world(base, p))) : [];
   const key = JSON.stringify([all, line_through]);
 
-  useEffect(() => {
+  // a layout effect: a picture that is drawn after new handles appear must not place them by the corners of the former path
+  useLayoutEffect(() => {
     const [corners, curve] = JSON.parse(key) as [Point[], Point[]];
     const place = (): void => {
       const box = viewport.canvas.getBoundingClientRect();
