@@ -1,5 +1,8 @@
 // Parts of files that journeys make: PNG pictures and GLB files.
-import { crc32, deflateSync } from 'node:zlib';
+import { deflateSync, gzipSync } from 'node:zlib';
+
+/** CRC-32, as the trailer of gzip has it: Node.js 18 has no function of its own for it. */
+const crc32 = (bytes) => gzipSync(bytes).subarray(-8).readUInt32LE(0);
 
 /** A PNG picture. @param color r g b of a pixel, 0 ... 255 */
 export function png(width, height, color) {

@@ -14,13 +14,16 @@ const table: SweepRows = {
   ],
 };
 
+/** The row with another value in one column. */
+const replaced = (row: SweepRows['rows'][number], column: number, value: string | number) => row.map((v, i) => (i === column ? value : v));
+
 describe('columns of a sweep', () => {
   it('are varied quantities or measures', () => {
     expect(varied(table)).toEqual(['push', 'push-angle']);
     expect(measured(table)).toEqual(['tracking_rms_deg', 'assist_max_bw', 'fell', 'steps', 'processor_s']);
   });
   it('include the target if it varies', () => {
-    const two = { ...table, rows: table.rows.map((row, i) => (i < 2 ? row.with(1, 'run.bvh') : row)) };
+    const two = { ...table, rows: table.rows.map((row, i) => (i < 2 ? replaced(row, 1, 'run.bvh') : row)) };
     expect(varied(two)).toContain('target');
   });
   it('give the first plot', () => expect(first_choice(table)).toEqual({ x: 'push', y: 'fell', by: 'push-angle' }));
@@ -37,7 +40,7 @@ describe('plot of a sweep', () => {
     expect(plot.y).toEqual([0, 11]); // zero is shown
   });
   it('spaces words evenly', () => {
-    const plot = plot_of({ ...table, rows: table.rows.map((row) => row.with(2, row[2] === 0 ? 'none' : `push ${String(row[2])}`)) }, { x: 'push', y: 'fell', by: 'push-angle' });
+    const plot = plot_of({ ...table, rows: table.rows.map((row) => replaced(row, 2, row[2] === 0 ? 'none' : `push ${String(row[2])}`)) }, { x: 'push', y: 'fell', by: 'push-angle' });
     if (typeof plot === 'string') throw new Error(plot);
     expect(plot.words).toEqual(['none', 'push 200', 'push 400']);
     expect(plot.series).toEqual(['0', '90']);
@@ -49,7 +52,7 @@ describe('plot of a sweep', () => {
   });
   it('is refused without values, and with too many series', () => {
     expect(plot_of(table, { x: 'push', y: 'message', by: '' })).toMatch(/No run/);
-    const many = { columns, rows: Array.from({ length: 20 }, (_, i) => table.rows[0]!.with(3, i)) };
+    const many = { columns, rows: Array.from({ length: 20 }, (_, i) => replaced(table.rows[0]!, 3, i)) };
     expect(plot_of(many, { x: 'push', y: 'fell', by: 'push-angle' })).toMatch(/20 values/);
   });
 });

@@ -227,10 +227,13 @@ export function in_track_order(doc: ScenarioDocument): Character[] {
   return [...first, ...doc.characters.filter((c) => !order.includes(c.id))];
 }
 
+/** The list with one more item, at index `at`. */
+const with_item = <T>(list: readonly T[], at: number, item: T): T[] => [...list.slice(0, at), item, ...list.slice(at)];
+
 /** Ids in the order of the tracks, after the track of `character` has moved to index `at`. */
 function move_track(doc: ScenarioDocument, character: string, at: number): string[] {
   const ids = in_track_order(doc).map((c) => c.id).filter((id) => id !== character);
-  return ids.toSpliced(Math.min(Math.max(0, at), ids.length), 0, character);
+  return with_item(ids, Math.min(Math.max(0, at), ids.length), character);
 }
 
 /** End of the last clip or event, s. The "fit" command shows the time up to here, and a new clip starts here. */
@@ -268,7 +271,7 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
       const { id, name = '', mode = 'additive', weight = 1, ease_in = null, ease_out = null, on = true } = command.value;
       if (id === undefined) return doc;
       const layer: KeyedLayer = { id, name, mode, weight, ease_in, ease_out, ...(on ? {} : { on }), joints: [] };
-      return map_layers(doc, command, (layers) => layers.toSpliced(command.at ?? layers.length, 0, layer));
+      return map_layers(doc, command, (layers) => with_item(layers, command.at ?? layers.length, layer));
     }
     case 'layer.set':
       return map_layers(doc, command, (layers) => layers.map((l) => (l.id === command.layer ? { ...l, ...command.value } : l)));
@@ -277,7 +280,7 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
     case 'layer.move':
       return map_layers(doc, command, (layers) => {
         const moved = layers.find((l) => l.id === command.layer);
-        return moved ? layers.filter((l) => l !== moved).toSpliced(command.at, 0, moved) : layers;
+        return moved ? with_item(layers.filter((l) => l !== moved), command.at, moved) : layers;
       });
     case 'key.edit':
       return map_layers(doc, command, (layers) => layers.map((l) => (l.id === command.layer ? edit_keys(l, command.take ?? [], command.put ?? []) : l)));
@@ -299,7 +302,7 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
     case 'pose.add': {
       const { id } = command.pose;
       const poses = doc.poses ?? [];
-      return id === undefined ? doc : { ...doc, poses: poses.toSpliced(command.at ?? poses.length, 0, { ...command.pose, id }) };
+      return id === undefined ? doc : { ...doc, poses: with_item(poses, command.at ?? poses.length, { ...command.pose, id }) };
     }
     case 'pose.set':
       return { ...doc, poses: (doc.poses ?? []).map((p) => (p.id === command.id ? { ...p, ...command.pose } : p)) };

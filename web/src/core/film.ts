@@ -66,4 +66,4 @@ export function view_of(camera: FilmCamera, time: number): FilmView {
 
 /** The shot at a time, s: of the shots that include the time, the one that starts last. */
 export const shot_at = (shots: readonly FilmShot[] = [], time: number): FilmShot | undefined =>
-  shots.findLast((s) => s.start <= time && time < s.start + s.length);
+  shots.filter((s) => s.start <= time && time < s.start + s.length).at(-1);

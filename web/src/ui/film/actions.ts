@@ -1,6 +1,6 @@
 /** Commands on cameras and shots, at the playhead and from the view of the viewport. */
 import type { Command } from '../../core/document';
-import { view_of, type FilmView } from '../../core/film';
+import { shot_at, view_of, type FilmView } from '../../core/film';
 import { cut_shot, find_camera, find_shot, key_camera, rounded } from '../../core/film_edits';
 import { centre_of_mass } from '../../core/frames';
 import { parts, session } from '../app';
@@ -77,7 +77,7 @@ export function cut_here(): void {
   const cameras = document?.cameras ?? [];
   if (!document || cameras.length === 0) return session.notify('Add a camera first.');
   const time = frame_time();
-  const shown = document.shots?.findLast((s) => s.start <= time && time < s.start + s.length)?.camera;
+  const shown = shot_at(document.shots, time)?.camera;
   const next = cameras[(cameras.findIndex((c) => c.id === shown) + 1) % cameras.length]!.id;
   const camera = selection.kind === 'camera' ? selection.camera : next;
   const id = session.fresh_id('h');

@@ -46,7 +46,7 @@ export function PoseTools(): ReactElement | null {
     const id = selected_character(s);
     const track = id && s.document ? (find_character(s.document, id)?.track ?? []) : [];
     const away = (k: Clip): number => Math.max(k.start - s.transport.time, s.transport.time - k.start - k.length);
-    return id && s.document && !clip_at(s.document, id, s.transport.time) ? track.toSorted((a, b) => away(a) - away(b))[0] : undefined;
+    return id && s.document && !clip_at(s.document, id, s.transport.time) ? [...track].sort((a, b) => away(a) - away(b))[0] : undefined;
   });
   useStudio((s) => s.library_revision);
   const motion_name = (clip: Clip): string => session.entry(clip.motion)?.name ?? clip.motion;
