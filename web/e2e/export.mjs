@@ -251,42 +251,61 @@ await test('inputs recorded in the page repeat the run in `ugoki run`', async ()
   expect(again === wanted, `${again}, wanted ${wanted}`);
 });
 
-/** Position of a character on the page, px. */
-const find_character = (p, index) =>
-  p.evaluate((i) => {
+/** Starts the content again, so slowly that a character can be hit, and waits until the page shows its beginning and the view rests. @param tool null: as it is. @return position of a character on the page, px */
+async function find_character(p, index, tool = null) {
+  await p.evaluate((t) => {
     const player = document.querySelector('ugoki-player');
-    const [x, y, z] = player.characters[i].centre_of_mass;
-    const { camera } = player.view.rig;
-    const v = camera.position.clone().set(x, y, z + 0.1).project(camera);
-    const box = player.getBoundingClientRect();
-    return { x: box.left + (0.5 + 0.5 * v.x) * box.width, y: box.top + (0.5 - 0.5 * v.y) * box.height };
-  }, index);
+    if (t) player.tool = t;
+    player.pause();
+    player.reset();
+    player.follow(null);
+    player.speed = 0.05;
+    player.play();
+  }, tool);
+  const look = () =>
+    p.evaluate(async (i) => {
+      await new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)));
+      const player = document.querySelector('ugoki-player');
+      const [x, y, z] = player.characters[i].centre_of_mass;
+      const { camera } = player.view.rig;
+      const v = camera.position.clone().set(x, y, z + 0.1).project(camera);
+      const box = player.getBoundingClientRect();
+      return { time: player.time, x: box.left + (0.5 + 0.5 * v.x) * box.width, y: box.top + (0.5 - 0.5 * v.y) * box.height };
+    }, index);
+  for (let before = await look(), tries = 0; ; tries++) {
+    await p.waitForTimeout(100);
+    const now = await look();
+    if (now.time > 0 && now.time < 1 && Math.hypot(now.x - before.x, now.y - before.y) < 1.5) return now;
+    expect(tries < 100, `the view does not rest: ${JSON.stringify([before, now])}`);
+    before = now;
+  }
+}
+
+/** Waits until the recorded inputs are as wanted; the engine takes them at its next step. @return their types */
+async function recorded_types(p, wanted) {
+  for (let tries = 0; ; tries++) {
+    const types = await p.evaluate(async () => (await document.querySelector('ugoki-player').recorded()).map((i) => i.type));
+    if (wanted(types) || tries === 50) return types;
+    await p.waitForTimeout(100);
+  }
+}
 
 await test('a drag pulls a character with the tool pull, and pushes it with the tool push', async () => {
   for (const tool of ['pull', 'push']) {
-    await page.evaluate((t) => {
-      const player = document.querySelector('ugoki-player');
-      player.tool = t;
-      player.follow(null);
-      player.pause();
-      player.reset();
-      player.speed = 0.05;
-      player.play();
-    }, tool);
-    const from = await find_character(page, 0);
+    const from = await find_character(page, 0, tool);
     await page.mouse.move(from.x, from.y);
     await page.mouse.down();
     for (let i = 1; i <= 4; i++) await page.mouse.move(from.x + 20 * i, from.y - 4 * i);
     await page.mouse.up();
-    await page.waitForTimeout(300);
-    const types = await page.evaluate(async () => {
-      const player = document.querySelector('ugoki-player');
-      player.pause();
-      player.speed = 1;
-      return (await player.recorded()).map((i) => i.type);
-    });
-    expect(types.includes(tool === 'pull' ? 'grab' : 'push') && types.includes('release') === (tool === 'pull'), `${tool}: ${types}`);
+    const wanted = (types) => types.includes(tool === 'pull' ? 'grab' : 'push') && types.includes('release') === (tool === 'pull');
+    const types = await recorded_types(page, wanted);
+    expect(wanted(types), `${tool}: ${types}`);
   }
+  await page.evaluate(() => {
+    const player = document.querySelector('ugoki-player');
+    player.pause();
+    player.speed = 1;
+  });
 });
 
 await test('a drag on the background turns the view, and the wheel zooms', async () => {
@@ -317,20 +336,13 @@ await test('on a phone one finger pulls and two fingers zoom', async () => {
   const phone = await open(`file://${at('park.html')}`, { viewport: { width: 390, height: 760 }, hasTouch: true, isMobile: true, deviceScaleFactor: 1 });
   const client = await phone.context().newCDPSession(phone);
   const touch = (type, points) => client.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
-  await phone.evaluate(() => {
-    const player = document.querySelector('ugoki-player');
-    player.pause();
-    player.reset();
-    player.speed = 0.05;
-    player.play();
-  });
   const from = await find_character(phone, 0);
   await touch('touchStart', [[from.x, from.y]]);
   await touch('touchMove', [[from.x + 30, from.y - 10]]);
   await touch('touchEnd', []);
-  await phone.waitForTimeout(200);
-  const types = await phone.evaluate(async () => (await document.querySelector('ugoki-player').recorded()).map((i) => i.type));
-  expect(types.includes('grab') && types.includes('release'), types.join());
+  const pulled = (types) => types.includes('grab') && types.includes('release');
+  const types = await recorded_types(phone, pulled);
+  expect(pulled(types), types.join());
   const distance = () => phone.evaluate(() => document.querySelector('ugoki-player').view.rig.goal.distance);
   const before = await distance();
   await touch('touchStart', [[60, 150], [330, 150]]);
@@ -363,13 +375,11 @@ await test('the native program serves its page, runs the content, and reaches th
     const { done, hash } = await repeat(served, steps);
     expect(done === steps && hash === wanted, `${done} steps, ${hash}, wanted ${wanted}`);
     const from = await find_character(served, 0);
-    await served.evaluate(() => document.querySelector('ugoki-player').play());
     await served.mouse.move(from.x, from.y);
     await served.mouse.down();
     await served.mouse.move(from.x + 40, from.y);
-    await served.waitForTimeout(200);
     await served.mouse.up();
-    expect((await served.evaluate(() => document.querySelector('ugoki-player').recorded())).some((i) => i.type === 'grab'), 'no grab');
+    expect((await recorded_types(served, (types) => types.includes('grab'))).includes('grab'), 'no grab');
     await served.context().close();
   } finally {
     program.stop();

@@ -247,7 +247,15 @@ export const prop_journeys = [
       await notes.getByText(/Human is \d+ cm inside Terrain/).waitFor();
       await page.locator('[data-character="human"] .track-name').click();
       await page.locator('.inspector h3', { hasText: 'Character Human' }).waitFor();
-      const depth = Number((await notes.innerText()).match(/Human is (\d+) cm inside Terrain/)[1]) / 100;
+      // the note is renewed with the pictures: it is read when it stays
+      let read = '';
+      await until(page, async () => {
+        const before = read;
+        await page.waitForTimeout(700);
+        read = await notes.innerText();
+        return read === before;
+      }, 'the note stays');
+      const depth = Number(read.match(/Human is (\d+) cm inside Terrain/)[1]) / 100;
       assert.ok(depth > 0.03 && depth <= 0.5, `the human is ${depth} m inside`);
       await notes.getByRole('button', { name: 'Place on the ground' }).click();
       await until(page, async () => Math.abs((await human()).place.z - depth) < 0.006, `the human ${depth} m higher`);

@@ -25,6 +25,7 @@ export class RemoteEngine implements Engine {
   variables: number[] = [];
   private asked = false;
   private reported = 0; // s: sum of the times that advance() has returned
+  private returning = 0; // resets that the program has not answered; until then frames can be of the time before
   private last_id = 0;
   private readonly waiting = new Map<number, { done: (value: unknown) => void; failed: (error: Error) => void }>();
 
@@ -38,13 +39,14 @@ export class RemoteEngine implements Engine {
   }
 
   get time(): number {
-    return this.frame?.time ?? 0;
+    return this.returning > 0 ? 0 : (this.frame?.time ?? 0);
   }
   get steps(): number {
     return Math.round(this.time / this.scene.step);
   }
 
   advance(seconds: number, budget: number): number {
+    if (this.returning > 0) return 0;
     const passed = Math.max(0, this.time - this.reported);
     this.reported = this.time;
     if (!this.asked && seconds - passed >= this.scene.step && this.stopped === '') {
@@ -59,7 +61,9 @@ export class RemoteEngine implements Engine {
   reset(): void {
     this.stopped = '';
     this.reported = 0;
-    this.send({ op: 'reset' });
+    this.returning++;
+    const answered = (): void => void this.returning--;
+    this.ask({ op: 'reset' }).then(answered, answered);
   }
   push(character: number, link: number, force: Vec3, duration: number): void {
     this.send({ op: 'push', character, link, force, duration });
@@ -106,7 +110,7 @@ export class RemoteEngine implements Engine {
         this.stopped = frame;
         return;
       }
-      if (frame.time < this.reported) this.reported = frame.time;
+      if (frame.time < this.reported) this.reported = frame.time; // another page reset the program
       this.frame = frame;
       this.asked = false;
       return;
@@ -114,7 +118,7 @@ export class RemoteEngine implements Engine {
     const answer = JSON.parse(data) as Answer;
     if (answer.event === 'stopped') {
       this.asked = false;
-      this.stopped = answer.reason ?? 'The run stopped.';
+      if (this.returning === 0) this.stopped = answer.reason ?? 'The run stopped.';
     }
     if (answer.event === 'variables') this.variables = answer.values ?? [];
     const asker = this.waiting.get(answer.id ?? -1);
