@@ -5,6 +5,7 @@
 
 #include "output.h"
 #include "output_files.h"
+#include "ugoki/content/flatten.h"
 #include "ugoki/files/files.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
@@ -261,7 +262,7 @@ Result<SceneSource> load_scene(const std::string& target, const SourceOptions& o
     const Result<project::Project> project = project::Project::open_read_only(target);
     if (!project) return fail(project.error());
     print_warning(project->warning());
-    out.scenario = project->scenario();
+    out.scenario = content::flatten(project->scenario());
     out.resources = project->resources();
     out.name = out.scenario.name;
     return out;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "random_items.h"
+#include "ugoki/content/flatten.h"
 
 namespace ugoki::content::testing {
 
@@ -17,6 +18,13 @@ class RandomCommands : public RandomItems {
   /// A random command (JSON) for the document `s`.
   std::string next(const Scenario& s) {
     if (std::string removal = shrink(s); !removal.empty()) return removal;
+    if (!s.find_character("human") && pick(4) == 0) return R"({"type": "character.add", "id": "human", "mechanism": "m-walker"})";
+    if (pick(25) == 0)
+      if (std::string command = nest_command(s); !command.empty()) return command;
+    if (!s.scenarios.empty() && pick(10) == 0) {
+      const std::string id = any(s.scenarios).id;
+      return R"({"type": "in", "scenario": ")" + id + R"(", "command": )" + next(open_scenario(s, id)) + "}";
+    }
     switch (pick(47 + item_kinds)) {
       case 0:
         return R"({"type": "clip.add", "character": "human", "motion": ")" + std::string(pick(2) ? "n-walk" : "n-step") +
@@ -204,6 +212,8 @@ class RandomCommands : public RandomItems {
     if (s.poses.size() > max_length) return remove("pose.remove", s.poses);
     if (s.shots.size() > max_length) return remove("shot.remove", s.shots);
     if (s.cameras.size() > max_length) return remove("camera.remove", s.cameras);
+    if (s.instances.size() > 4) return remove("instance.remove", s.instances);
+    if (s.scenarios.size() > 4) return remove("scenario.remove", s.scenarios);  // refused while it is placed
     if (s.characters.empty() || s.characters[0].locked) return {};
     for (const ScenarioClip& clip : s.characters[0].track) {
       if (s.characters[0].track.size() > max_length) return command_on(s, "clip.remove", "");

@@ -47,6 +47,32 @@ class RandomItems : public RandomValues {
     return s.characters.empty() ? R"("none")" : quoted(pick(2) ? s.characters[0].id : any(s.characters).id);
   }
 
+ protected:
+  /// A random command on instances and inner scenarios; empty: the document has none that it could change.
+  std::string nest_command(const Scenario& s) {
+    if (!s.circuit.empty()) return pick(2) ? R"({"type": "circuit.set", "circuit": null})" : "";  // it keeps nesting from working
+    const std::size_t kind = s.scenarios.empty() ? 0 : pick(7);
+    if (kind == 0 && s.characters.size() > 1) {
+      const std::size_t first = pick(8) ? 1 : 0;  // most commands act on the first character
+      std::string ids = quoted(s.characters[first + pick(s.characters.size() - first)].id);
+      if (pick(2)) ids += ", " + quoted(s.characters[first + pick(s.characters.size() - first)].id);
+      const std::string more = s.instances.empty() || pick(2) ? "" : R"(, "instances": [)" + quoted(any(s.instances).id) + "]";
+      return R"({"type": "scenario.nest", "name": )" + word({"Duet", "Trio of 3", "+"}) + R"(, "characters": [)" + ids + "]" + more + "}";
+    }
+    if (kind == 1 && !s.scenarios.empty() && s.instances.size() < 4)
+      return R"({"type": "instance.add", "scenario": )" + quoted(any(s.scenarios).id) + R"(, "start": )" + number(0, 4) +
+             R"(, "place": {"y": )" + number(-5, 5) + R"(, "heading": )" + number(-90, 90) + "}}";
+    if (kind == 2 && !s.scenarios.empty()) return R"({"type": "scenario.remove", "id": )" + quoted(any(s.scenarios).id) + "}";
+    if (s.instances.empty()) return {};
+    const std::string id = R"(", "id": )" + quoted(any(s.instances).id);
+    if (kind == 3) return R"({"type": "instance.unnest)" + id + "}";
+    if (kind == 4 && pick(3) == 0) return R"({"type": "instance.remove)" + id + "}";
+    return R"({"type": "instance.set)" + id +
+           (pick(2)   ? R"(, "start": )" + number(-0.2, 4) + R"(, "place": {"x": )" + number(-5, 5) + "}}"
+            : pick(2) ? R"(, "muted": )" + boolean() + R"(, "solo": )" + boolean() + "}"
+                      : R"(, "name": )" + word({"First", "Second"}) + "}");
+  }
+
  private:
   /// The command KIND.set for any item of the list, with the given fields; empty: the list is empty.
   template <class List, class Make>
@@ -141,7 +167,7 @@ class RandomItems : public RandomValues {
       case 6: return R"("name": "N)" + number(0, 9) + "\"";
       case 7: return R"("place": {"x": )" + number(-5, 5) + R"(, "z": )" + number(0, 1) + R"(, "heading": )" + number(-180, 180) + "}";
       case 8: return R"("mechanism": )" + word({"m-walker", "m-ball"});
-      default: return R"("locked": )" + (pick(3) ? std::string("false") : boolean());
+      default: return R"("locked": )" + boolean();
     }
   }
   /// A field of any clip of the first character.

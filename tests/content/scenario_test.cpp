@@ -87,7 +87,7 @@ TEST(Scenario, SyntaxErrorsNameLineAndColumn) {
 }
 
 TEST(Scenario, RefusesNewerDocuments) {
-  const auto s = read_scenario(R"({"version": 2, "future": true})", "f");
+  const auto s = read_scenario(R"({"version": 3, "future": true})", "f");
   ASSERT_FALSE(s);
   EXPECT_EQ(s.error().problems.front().code, ErrorCode::unsupported);
 }

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "ugoki/base/number.h"
 #include "ugoki/content/circuit_edit.h"
 #include "ugoki/content/default_circuit.h"
+#include "ugoki/content/flatten.h"
 #include "ugoki/content/layer_commands.h"
 #include "ugoki/content/list_commands.h"
+#include "ugoki/content/nest_commands.h"
 #include "ugoki/content/scenario_json.h"
 
 namespace ugoki::content {
@@ -29,7 +32,7 @@ class Work {
     std::string_view type;
     std::string (Work::*run)(Fields&);
   };
-  static const std::array<Kind, 39> kinds;
+  static const std::array<Kind, 46> kinds;
 
   /// Applies one command to the copy. Problems are collected and returned by finish(). @return the label for undo menus
   std::string apply(const Json& command, const std::string& path) {
@@ -59,19 +62,22 @@ class Work {
   }
 
  private:
-  Scenario& document() { return effect_.scenario; }
+  Scenario& root() { return effect_.scenario; }
+  /// The scenario in which the command acts: the document, or the inner scenario of the command `in`.
+  Scenario& document() { return target().scenario(); }
+  NestTarget target() { return {effect_.scenario, inner_}; }
 
   bool used(const std::string& id) const {
-    for (const ScenarioCharacter& c : effect_.scenario.characters) {
-      if (c.id == id) return true;
-      for (const ScenarioClip& clip : c.track)
-        if (clip.id == id) return true;
-    }
-    const auto has = [&](const auto& list) {
-      return std::any_of(list.begin(), list.end(), [&](const auto& item) { return item.id == id; });
+    bool found = false;
+    const auto look_in = [&](const auto& list) {
+      found = found || std::any_of(list.begin(), list.end(), [&](const auto& item) { return item.id == id; });
     };
-    return has(effect_.scenario.events) || has(effect_.scenario.markers) || has(effect_.scenario.rules) ||
-           has(effect_.scenario.variables) || has(effect_.scenario.poses) || has(effect_.scenario.cameras) || has(effect_.scenario.shots);
+    for_each_scenario(effect_.scenario, [&](const Scenario& s) {
+      for (const ScenarioCharacter& c : s.characters) look_in(c.track);
+      look_in(s.characters), look_in(s.events), look_in(s.markers), look_in(s.rules), look_in(s.variables), look_in(s.poses);
+      look_in(s.cameras), look_in(s.shots), look_in(s.instances);
+    });
+    return found;
   }
   /// Keeps an id that the command gives. If `id` is empty, creates a new id: `letter` followed by a number.
   void assign_id(std::string& id, char letter) {
@@ -204,6 +210,52 @@ class Work {
   std::string on_document(Fields& f) {
     return change(f, document());
   }
+  /// A command on items that only the document has, even if an inner scenario is edited.
+  template <std::string (*change)(Fields&, Scenario&)>
+  std::string on_root(Fields& f) {
+    return change(f, root());
+  }
+  template <std::string (*change)(Fields&, const NestTarget&)>
+  std::string on_nest(Fields& f) {
+    return change(f, target());
+  }
+  template <std::string (*change)(Fields&, const NestTarget&, const AssignId&)>
+  std::string add_nest(Fields& f) {
+    return change(f, target(), [this](std::string& id, char letter) { assign_id(id, letter); });
+  }
+  std::string variable_remove(Fields& f) {
+    std::string label = drop_variable(f, document());
+    remove_dangling(root());
+    return label;
+  }
+  std::string pose_add(Fields& f) {
+    return add_pose(f, root(), [this](std::string& id, char letter) { assign_id(id, letter); });
+  }
+
+  /// Applies a command to an inner scenario.
+  std::string in_scenario(Fields& f) {
+    std::string id;
+    f.require("scenario", "the id of an inner scenario");
+    f.require("command", "the command");
+    f.text("scenario", id);
+    const Json* command = f.find("command");
+    if (!command || !problems_.empty()) return {};
+    if (!root().find_scenario(id)) {
+      report_missing(f, "scenario", "scenario", id);
+      return {};
+    }
+    const std::string outside = std::exchange(inner_, id);
+    std::string label = apply(*command, f.path("command"));
+    inner_ = outside;
+    return label;
+  }
+  /// Reports a problem if an inner scenario is edited: only the document has a circuit.
+  bool has_no_circuit(Fields& f) {
+    if (inner_.empty()) return false;
+    problems_.add(ErrorCode::unsupported, f.path("type"), "An inner scenario has no circuit of its own.",
+                  "Open the outermost scenario, and change the circuit there.");
+    return true;
+  }
   template <std::string (*add)(Fields&, Scenario&, const AssignId&)>
   std::string add_item(Fields& f) {
     return add(f, document(), [this](std::string& id, char letter) { assign_id(id, letter); });
@@ -274,6 +326,7 @@ class Work {
     if (document().camera.follow == id) document().camera.follow.clear();
     for (FilmCamera& camera : document().cameras)
       if (camera.follow == id) camera.follow.clear();
+    remove_dangling(root());
     return "Remove character";
   }
 
@@ -413,6 +466,7 @@ class Work {
   std::string rule_remove(Fields& f) {
     const auto rule = rule_in(f);
     if (rule != document().rules.end()) remove_rule(document(), std::string(rule->id));
+    remove_dangling(root());
     return "Remove rule";
   }
 
@@ -434,18 +488,20 @@ class Work {
   }
 
   std::string scenario_set(Fields& f) {
-    const Scenario before = document();
-    read_settings(f, document());
-    if (document().name != before.name) return "Rename content";
+    const Scenario before = document(), before_root = root();
+    read_inner_settings(f, document());
+    read_world_settings(f, root());
+    if (document().name != before.name) return inner_.empty() ? "Rename content" : "Rename scenario";
     if (document().duration != before.duration) return "Set duration";
     if (!(document().camera == before.camera)) return "Set camera";
-    if (!(document().look == before.look)) return "Set look";
+    if (!(root().look == before_root.look)) return "Set look";
     if (!(document().range == before.range)) return document().range.is_set() ? "Set in and out" : "Clear in and out";
     return "Change settings";
   }
 
   std::string circuit_set(Fields& f) {
     f.require("circuit", "a circuit, or null for the default one");
+    if (has_no_circuit(f)) return {};
     read_circuit_field(f, document());
     if (const Json* circuit = f.find("circuit"); circuit && circuit->is_object()) check_form(*circuit);
     return document().circuit.empty() ? "Use default circuit" : "Change circuit";
@@ -457,7 +513,7 @@ class Work {
     f.text("label", label);
     f.require("changes", "a list of changes");
     const Json* changes = f.find("changes");
-    if (!changes || !problems_.empty()) return {};
+    if (!changes || !problems_.empty() || has_no_circuit(f)) return {};
     const std::string text = document().circuit.empty() ? default_circuit(played_part(document())) : document().circuit;
     Result<Json> circuit = parse_json(text, "circuit", max_command_size);
     if (!circuit) {
@@ -498,11 +554,12 @@ class Work {
   const Catalogue& catalogue_;
   std::uint64_t& next_id_;
   CommandEffect effect_;
+  std::string inner_;  ///< id of the inner scenario in which commands act; empty: the document
   Error problems_;
   std::size_t count_ = 0;
 };
 
-const std::array<Work::Kind, 39> Work::kinds = {{{"clip.add", &Work::clip_add},
+const std::array<Work::Kind, 46> Work::kinds = {{{"clip.add", &Work::clip_add},
                                                  {"clip.set", &Work::clip_set},
                                                  {"clip.remove", &Work::clip_remove},
                                                  {"clip.split", &Work::clip_split},
@@ -526,10 +583,10 @@ const std::array<Work::Kind, 39> Work::kinds = {{{"clip.add", &Work::clip_add},
                                                  {"rule.remove", &Work::rule_remove},
                                                  {"variable.add", &Work::add_item<add_variable>},
                                                  {"variable.set", &Work::on_document<set_variable>},
-                                                 {"variable.remove", &Work::on_document<drop_variable>},
-                                                 {"pose.add", &Work::add_item<add_pose>},
-                                                 {"pose.set", &Work::on_document<set_pose>},
-                                                 {"pose.remove", &Work::on_document<remove_pose>},
+                                                 {"variable.remove", &Work::variable_remove},
+                                                 {"pose.add", &Work::pose_add},
+                                                 {"pose.set", &Work::on_root<set_pose>},
+                                                 {"pose.remove", &Work::on_root<remove_pose>},
                                                  {"track.move", &Work::track_move},
                                                  {"camera.add", &Work::add_item<add_camera>},
                                                  {"camera.set", &Work::on_document<set_camera>},
@@ -540,13 +597,20 @@ const std::array<Work::Kind, 39> Work::kinds = {{{"clip.add", &Work::clip_add},
                                                  {"scenario.set", &Work::scenario_set},
                                                  {"circuit.set", &Work::circuit_set},
                                                  {"circuit.edit", &Work::circuit_edit},
+                                                 {"scenario.nest", &Work::add_nest<nest_tracks>},
+                                                 {"scenario.remove", &Work::on_nest<remove_scenario>},
+                                                 {"instance.add", &Work::add_nest<add_instance>},
+                                                 {"instance.set", &Work::on_nest<set_instance>},
+                                                 {"instance.remove", &Work::on_nest<remove_instance>},
+                                                 {"instance.unnest", &Work::add_nest<unnest_instance>},
+                                                 {"in", &Work::in_scenario},
                                                  {"group", &Work::group}}};
 
 void collect_resources(const Json& command, std::vector<std::string>& out) {
   if (!command.is_object()) return;
   for (const char* key : {"motion", "mechanism", "mesh"})
     if (const auto it = command.find(key); it != command.end() && it->is_string()) out.push_back(it->get_ref<const std::string&>());
-  for (const char* key : {"rule", "do", "prop"})
+  for (const char* key : {"rule", "do", "prop", "command"})
     if (const auto it = command.find(key); it != command.end()) collect_resources(*it, out);
   if (const auto it = command.find("commands"); it != command.end() && it->is_array())
     for (const Json& c : *it) collect_resources(c, out);

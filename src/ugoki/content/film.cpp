@@ -11,7 +11,7 @@
 namespace ugoki::content {
 namespace {
 
-constexpr double day = 86400;         // s: upper limit of times
+constexpr double day = 86400;             // s: upper limit of times
 constexpr std::size_t max_items = 1'000;  // maximum number of cameras, of shots, and of keys of one camera
 
 using Values = std::array<double, 7>;
@@ -101,7 +101,8 @@ const FilmShot* shot_at(const std::vector<FilmShot>& shots, double time) {
 void put_in_order(std::vector<FilmCamera>& cameras, std::vector<FilmShot>& shots) {
   for (FilmCamera& camera : cameras)
     std::sort(camera.keys.begin(), camera.keys.end(), [](const FilmKey& a, const FilmKey& b) { return a.time < b.time; });
-  std::sort(shots.begin(), shots.end(), [](const FilmShot& a, const FilmShot& b) { return a.start != b.start ? a.start < b.start : a.id < b.id; });
+  std::sort(shots.begin(), shots.end(),
+            [](const FilmShot& a, const FilmShot& b) { return a.start != b.start ? a.start < b.start : a.id < b.id; });
 }
 
 void read_camera(Fields& f, FilmCamera& out) {
@@ -159,13 +160,13 @@ void write_film(const std::vector<FilmCamera>& cameras, const std::vector<FilmSh
   }
 }
 
-void check_film(const Scenario& s, const std::string& root, Error& problems) {
+void check_film(const Scenario& s, const Scenario& flat, const std::string& root, Error& problems) {
   for (std::size_t i = 0; i < s.cameras.size(); ++i) {
     const FilmCamera& c = s.cameras[i];
     const std::string location = root + "/cameras/" + std::to_string(i);
     if (c.name.empty() || c.name.size() > 200)
       problems.add(ErrorCode::range, location + "/name", "The name is empty or longer than 200 bytes.", "Give it a short name.");
-    if (!c.follow.empty() && !s.find_character(c.follow))
+    if (!c.follow.empty() && !flat.find_character(c.follow))
       problems.add(ErrorCode::unknown, location + "/follow", "There is no character '" + c.follow + "'.",
                    "Name a character of the document, or remove this reference.");
     check_view(c.view, location, problems);

@@ -60,8 +60,9 @@ void put_in_order(std::vector<FilmCamera>& cameras, std::vector<FilmShot>& shots
 void read_camera(Fields& fields, FilmCamera& out);
 void read_shot(Fields& fields, FilmShot& out);
 
-/// Adds the problems of the values of cameras and shots, and of the ids to which they refer. @param root location of the document
-void check_film(const Scenario& scenario, const std::string& root, Error& problems);
+/// Adds the problems of the values of cameras and shots, and of the ids to which they refer. @param flat the flattened scenario, which has
+/// the characters that cameras follow @param root location of the document
+void check_film(const Scenario& scenario, const Scenario& flat, const std::string& root, Error& problems);
 
 /// Removes a camera and its shots.
 void remove_camera(Scenario& scenario, const std::string& id);

@@ -1,8 +1,10 @@
 #include "ugoki/content/generate.h"
 
+#include <algorithm>
 #include <set>
 
 #include "ugoki/content/default_circuit.h"
+#include "ugoki/content/flatten.h"
 #include "ugoki/content/json_fields.h"
 #include "ugoki/content/layered_motions.h"
 #include "ugoki/content/secondary_motion.h"
@@ -15,13 +17,15 @@
 namespace ugoki::content {
 
 void add_props(const Scenario& scenario, Resources& resources) {
-  for (const ScenarioCharacter& c : scenario.characters)
+  const auto add = [&](const ScenarioCharacter& c) {
     if (c.prop && !resources.mechanisms.contains(c.mechanism)) {
       const auto mesh = resources.mechanisms.find(c.prop->mesh);
       const bool of_mesh = c.prop->shape == PropShape::mesh;
-      if (of_mesh && (mesh == resources.mechanisms.end() || !is_mesh_body(*mesh->second))) continue;  // check_scenario() reports it
+      if (of_mesh && (mesh == resources.mechanisms.end() || !is_mesh_body(*mesh->second))) return;  // check_scenario() reports it
       resources.mechanisms.emplace(c.mechanism, make_prop(*c.prop, of_mesh ? mesh->second : nullptr));
     }
+  };
+  for_each_scenario(scenario, [&](const Scenario& s) { std::ranges::for_each(s.characters, add); });
 }
 
 MechanismFacts facts_of(const Mechanism& mechanism) {

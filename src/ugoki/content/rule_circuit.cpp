@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "ugoki/base/hash.h"
+
 namespace ugoki::content {
 namespace {
 
@@ -10,6 +12,20 @@ using circuit::Instance;
 
 constexpr double column = 240, row = 130;  // spacing of LSIs in the editor, px
 constexpr double top = -260;               // y of the lowest row of rules, above the other LSIs, px
+
+/// Id of the LSI of a rule or a variable. '.' separates LSI and pin, and '/' the levels of circuits, so both are replaced. A long id of a
+/// nested item is shortened: ids of LSIs have 64 bytes at most.
+std::string lsi_id(std::string_view kind, std::string id) {
+  constexpr std::size_t longest = 40, kept = 23;
+  if (id.size() > longest) {
+    Hash64 hash;
+    hash.add_bytes(id.data(), id.size());
+    id = id.substr(0, kept) + "-" + hash.hex();
+  }
+  for (char& c : id)
+    if (c == '.' || c == '/') c = '_';
+  return std::string(kind) + id;
+}
 
 class Maker {
  public:
@@ -23,8 +39,7 @@ class Maker {
     add_variables();
     for (const Rule& rule : s_.rules) {
       if (!rule.on) continue;
-      std::string id = "rule-" + rule.id;
-      std::replace(id.begin(), id.end(), '.', '_');  // '.' separates LSI and pin
+      const std::string id = lsi_id("rule-", rule.id);
       if (rule.action.type == ActionType::set) {
         changes_.emplace_back(&rule, conditions(rule, id));
       } else if (rule.action.type == ActionType::grab || rule.action.type == ActionType::release) {
@@ -128,8 +143,7 @@ class Maker {
       for (auto change = changes_.rbegin(); change != changes_.rend(); ++change) {
         const auto& [rule, condition] = *change;
         if (rule->action.variable != v.id) continue;
-        std::string id = "rule-" + rule->id;
-        std::replace(id.begin(), id.end(), '.', '_');
+        const std::string id = lsi_id("rule-", rule->id);
         Instance& lsi = add(id, "set variable", 3, row_of(condition));
         const char* const changes[] = {"set", "add", "toggle"};
         lsi.parameters = {{"mode", std::string(rule->mode == RuleMode::when ? "when" : "while")},
@@ -290,11 +304,7 @@ class Maker {
 
 }  // namespace
 
-std::string variable_lsi(const std::string& variable) {
-  std::string id = "variable-" + variable;
-  std::replace(id.begin(), id.end(), '.', '_');
-  return id;
-}
+std::string variable_lsi(const std::string& variable) { return lsi_id("variable-", variable); }
 
 void add_rules(Circuit& circuit, const Scenario& scenario) { Maker(circuit, scenario).make(); }
 

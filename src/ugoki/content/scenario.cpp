@@ -7,6 +7,7 @@
 
 #include "ugoki/base/number.h"
 #include "ugoki/content/film_json.h"
+#include "ugoki/content/flatten.h"
 #include "ugoki/content/generate.h"
 #include "ugoki/content/layers.h"
 #include "ugoki/content/poses.h"
@@ -17,24 +18,29 @@ namespace {
 
 constexpr double day = 86400;  // s: upper limit of times and durations
 
-/// Checks one document and collects its problems.
+/// Checks the own items of one scenario and collects their problems.
 class Checker {
  public:
-  Checker(const Scenario& scenario, const Catalogue* catalogue, std::string_view name, Error& problems)
-      : s_(scenario), catalogue_(catalogue), root_(name), problems_(problems) {}
+  /// @param flat  the flattened scenario, to which references are resolved
+  /// @param nests  the document has inner scenarios; otherwise items may have ids of a flattened document
+  Checker(const Scenario& scenario, const Scenario& flat, bool nests, const Catalogue* catalogue, std::string_view name, Error& problems)
+      : s_(scenario), flat_(flat), nests_(nests), catalogue_(catalogue), root_(name), problems_(problems) {}
 
-  void check() {
-    check_settings();
+  /// @param inner  true: an inner scenario, whose settings are those of the document
+  void check(bool inner) {
+    check_own_settings();
+    if (!inner) check_settings();
+    for (std::size_t i = 0; i < s_.instances.size(); ++i) check_instance(s_.instances[i], root_ + "/instances/" + std::to_string(i));
     for (std::size_t i = 0; i < s_.characters.size(); ++i) check_character(s_.characters[i], root_ + "/characters/" + std::to_string(i));
     for (std::size_t i = 0; i < s_.events.size(); ++i) check_event(s_.events[i], root_ + "/events/" + std::to_string(i));
     for (std::size_t i = 0; i < s_.markers.size(); ++i) check_marker(s_.markers[i], root_ + "/markers/" + std::to_string(i));
     for (std::size_t i = 0; i < s_.cameras.size(); ++i) check_own_id(root_ + "/cameras/" + std::to_string(i) + "/id", s_.cameras[i].id);
     for (std::size_t i = 0; i < s_.shots.size(); ++i) check_own_id(root_ + "/shots/" + std::to_string(i) + "/id", s_.shots[i].id);
-    check_film(s_, root_, problems_);
+    check_film(s_, flat_, root_, problems_);
     for (std::size_t i = 0; i < s_.rules.size(); ++i) {
       const std::string location = root_ + "/rules/" + std::to_string(i);
       check_own_id(location + "/id", s_.rules[i].id);
-      check_rule(s_.rules[i], s_, catalogue_, location, problems_);
+      check_rule(s_.rules[i], flat_, catalogue_, location, problems_);
     }
     for (std::size_t i = 0; i < s_.variables.size(); ++i) {
       const std::string location = root_ + "/variables/" + std::to_string(i);
@@ -72,15 +78,13 @@ class Checker {
                     "Write it as #rrggbb, for example #e6e6ea.");
   }
   void check_own_id(const std::string& location, const std::string& id) {
-    if (!is_id(id))
+    if (nests_ ? !is_id(id) : !is_item_id(id))
       problems_.add(ErrorCode::syntax, location, "'" + id + "' cannot be an id.", "Use 1 to 40 letters, digits, '-', '_' or '.'.");
     else if (!ids_.insert(id).second)
       problems_.add(ErrorCode::duplicate, location, "Two items of the document have the id '" + id + "'.", "Give each item its own id.");
   }
 
   void check_settings() {
-    check_name(root_ + "/name", s_.name);
-    range(root_ + "/duration", s_.duration, 0.001, day, "s");
     constexpr std::array<double, 6> rates = {24, 25, 30, 50, 60, 120};
     if (std::find(rates.begin(), rates.end(), s_.frame_rate) == rates.end())
       problems_.add(ErrorCode::range, root_ + "/frame_rate", ugoki::to_text(s_.frame_rate) + " is not a display frame rate.",
@@ -90,10 +94,15 @@ class Checker {
     range(root_ + "/ground/height", s_.ground.height, -1000, 1000, "m");
     range(root_ + "/ground/friction", s_.ground.friction, 0, 10, "");
     range(root_ + "/ground/restitution", s_.ground.restitution, 0, 1, "");
+    check_look(s_.look, root_ + "/look", problems_);
+  }
+
+  void check_own_settings() {
+    check_name(root_ + "/name", s_.name);
+    range(root_ + "/duration", s_.duration, 0.001, day, "s");
     range(root_ + "/camera/distance", s_.camera.distance, 0.05, 1000, "m");
     range(root_ + "/camera/azimuth", s_.camera.azimuth, -1000, 1000, "rad");
     range(root_ + "/camera/elevation", s_.camera.elevation, -1.6, 1.6, "rad");
-    check_look(s_.look, root_ + "/look", problems_);
     range(root_ + "/range/from", s_.range.from, 0, day, "s");
     range(root_ + "/range/to", s_.range.to, 0, day, "s");
     if (s_.range != ScenarioRange{} && !s_.range.is_set())
@@ -104,7 +113,7 @@ class Checker {
   }
 
   void check_character_id(const std::string& location, const std::string& id) {
-    if (!s_.find_character(id))
+    if (!flat_.find_character(id))
       problems_.add(ErrorCode::unknown, location, "There is no character '" + id + "'.",
                     "Name a character of the document, or remove this reference.");
   }
@@ -241,6 +250,14 @@ class Checker {
                     "Give a smaller offset.");
   }
 
+  void check_instance(const ScenarioInstance& i, const std::string& location) {
+    check_own_id(location + "/id", i.id);
+    check_name(location + "/name", i.name);
+    range(location + "/start", i.start, 0, day, "s");
+    vector_range(location + "/place", {i.place.x, i.place.y, i.place.z}, 10000, "m");
+    range(location + "/place/heading", i.place.heading, -36000, 36000, "degrees");
+  }
+
   void check_marker(const ScenarioMarker& m, const std::string& location) {
     check_own_id(location + "/id", m.id);
     range(location + "/time", m.time, 0, day, "s");
@@ -271,7 +288,7 @@ class Checker {
                       "Name the character in \"other\", or omit the link to grip the world.");
       return;
     }
-    const ScenarioCharacter* const other = s_.find_character(e.grip.other);
+    const ScenarioCharacter* const other = flat_.find_character(e.grip.other);
     if (!other) check_character_id(location + "/other", e.grip.other);
     check_link(location + "/other_link", e.grip.other_link, mechanism_of(other));
     if (e.grip.other == e.character && e.grip.other_link == e.link)
@@ -293,7 +310,7 @@ class Checker {
   void check_event(const ScenarioEvent& e, const std::string& location) {
     check_own_id(location + "/id", e.id);
     range(location + "/time", e.time, 0, day, "s");
-    const ScenarioCharacter* character = s_.find_character(e.character);
+    const ScenarioCharacter* character = flat_.find_character(e.character);
     if (!character) check_character_id(location + "/character", e.character);
     const MechanismFacts* mechanism = nullptr;
     if (character && catalogue_)
@@ -335,6 +352,8 @@ class Checker {
   }
 
   const Scenario& s_;
+  const Scenario& flat_;
+  bool nests_;
   const Catalogue* catalogue_;
   std::string root_;
   Error& problems_;
@@ -352,17 +371,79 @@ void read_list(Fields& parent, std::string_view key, Read read) {
   }
 }
 
+/// Reads a list of texts.
+void read_texts(Fields& f, std::string_view key, std::string_view meaning, std::vector<std::string>& out) {
+  const Json* list = f.list(key, 10'000, meaning);
+  if (!list) return;
+  for (const Json& id : *list) {
+    if (id.is_string())
+      out.push_back(id.get<std::string>());
+    else
+      f.report(ErrorCode::syntax, f.path(key), "The list contains a value that is not a text.", "Give " + std::string(meaning) + ".");
+  }
+}
+
+/// Reads the lists of items of a document or of an inner scenario.
+void read_items(Fields& f, Scenario& s) {
+  read_list(f, "characters", [&](Fields& g) {
+    ScenarioCharacter c;
+    read_character(g, c);
+    read_list(g, "track", [&](Fields& h) {
+      h.require("length", "its length in seconds");
+      read_clip(h, c.track.emplace_back());
+    });
+    if (c.name.empty()) c.name = c.id;
+    s.characters.push_back(std::move(c));
+  });
+  read_list(f, "events", [&](Fields& g) {
+    g.require("type", "\"push\", \"pull\", \"throw\", \"grab\" or \"release\"");
+    read_event(g, s.events.emplace_back());
+  });
+  read_list(f, "markers", [&](Fields& g) { read_marker(g, s.markers.emplace_back()); });
+  read_list(f, "rules", [&](Fields& g) { read_rule(g, s.rules.emplace_back()); });
+  read_list(f, "variables", [&](Fields& g) { read_variable(g, s.variables.emplace_back()); });
+  read_list(f, "instances", [&](Fields& g) {
+    ScenarioInstance& instance = s.instances.emplace_back();
+    g.require("id", "the id of the instance");
+    g.require("scenario", "the id of an inner scenario");
+    read_instance(g, instance);
+    if (instance.name.empty()) instance.name = instance.id;
+  });
+  read_texts(f, "track_order", "ids of characters", s.track_order);
+  read_texts(f, "order", "ids of characters, rules and variables", s.order);
+  read_film(f, s);
+}
+
 }  // namespace
 
-const ScenarioCharacter* Scenario::find_character(std::string_view id) const {
+const ScenarioCharacter* Scenario::find_character(std::string_view wanted) const {
   for (const ScenarioCharacter& c : characters)
-    if (c.id == id) return &c;
+    if (c.id == wanted) return &c;
   return nullptr;
 }
-ScenarioCharacter* Scenario::find_character(std::string_view id) {
+ScenarioCharacter* Scenario::find_character(std::string_view wanted) {
   for (ScenarioCharacter& c : characters)
-    if (c.id == id) return &c;
+    if (c.id == wanted) return &c;
   return nullptr;
+}
+
+const Scenario* Scenario::find_scenario(std::string_view wanted) const {
+  for (const Scenario& inner : scenarios)
+    if (inner.id == wanted) return &inner;
+  return nullptr;
+}
+Scenario* Scenario::find_scenario(std::string_view wanted) {
+  for (Scenario& inner : scenarios)
+    if (inner.id == wanted) return &inner;
+  return nullptr;
+}
+
+bool is_item_id(std::string_view text) {
+  for (std::size_t slash = text.find('/'); slash != std::string_view::npos; slash = text.find('/')) {
+    if (!is_id(text.substr(0, slash))) return false;
+    text.remove_prefix(slash + 1);
+  }
+  return is_id(text);
 }
 
 bool is_id(std::string_view text, std::size_t max_size) {
@@ -375,14 +456,20 @@ void put_in_order(Scenario& scenario) {
   for (ScenarioCharacter& c : scenario.characters)
     std::sort(c.track.begin(), c.track.end(),
               [](const auto& a, const auto& b) { return a.start != b.start ? a.start < b.start : a.id < b.id; });
-  std::sort(scenario.events.begin(), scenario.events.end(),
-            [](const auto& a, const auto& b) { return a.time != b.time ? a.time < b.time : a.id < b.id; });
+  const auto last_part = [](const std::string& id) { return std::string_view(id).substr(id.rfind('/') + 1); };
+  std::sort(scenario.events.begin(), scenario.events.end(), [&](const auto& a, const auto& b) {
+    if (a.time != b.time) return a.time < b.time;
+    const std::string_view last_a = last_part(a.id), last_b = last_part(b.id);
+    return last_a != last_b ? last_a < last_b : a.id < b.id;
+  });
   std::sort(scenario.markers.begin(), scenario.markers.end(),
             [](const auto& a, const auto& b) { return a.time != b.time ? a.time < b.time : a.id < b.id; });
   put_in_order(scenario.cameras, scenario.shots);
+  for (Scenario& inner : scenario.scenarios) put_in_order(inner);
 }
 
-Scenario played_part(Scenario s) {
+Scenario played_part(Scenario document) {
+  Scenario s = flatten(document);
   const bool any_solo = std::any_of(s.characters.begin(), s.characters.end(), [](const ScenarioCharacter& c) { return c.solo; });
   const auto out = [&](const ScenarioCharacter& c) { return c.muted || (any_solo && !c.solo); };
   std::vector<std::string> left_out;
@@ -425,36 +512,19 @@ Result<Scenario> read_scenario(std::string_view text, std::string_view name) {
     problems.add(ErrorCode::range, f.path("version"), "The version " + std::to_string(version) + " does not exist.",
                  "Write \"version\": 1.");
   read_settings(f, s);
-  read_list(f, "characters", [&](Fields& g) {
-    ScenarioCharacter c;
-    read_character(g, c);
-    read_list(g, "track", [&](Fields& h) {
-      h.require("length", "its length in seconds");
-      read_clip(h, c.track.emplace_back());
-    });
-    if (c.name.empty()) c.name = c.id;
-    s.characters.push_back(std::move(c));
-  });
-  read_list(f, "events", [&](Fields& g) {
-    g.require("type", "\"push\", \"pull\", \"throw\", \"grab\" or \"release\"");
-    read_event(g, s.events.emplace_back());
-  });
-  read_list(f, "markers", [&](Fields& g) { read_marker(g, s.markers.emplace_back()); });
-  read_list(f, "rules", [&](Fields& g) { read_rule(g, s.rules.emplace_back()); });
-  read_list(f, "variables", [&](Fields& g) { read_variable(g, s.variables.emplace_back()); });
+  read_items(f, s);
   read_list(f, "poses", [&](Fields& g) {
     g.require("joints", "a list of joints");
     read_pose(g, s.poses.emplace_back());
   });
-  if (const Json* order = f.list("track_order", 10'000, "ids of characters"))
-    for (const Json& id : *order) {
-      if (id.is_string())
-        s.track_order.push_back(id.get<std::string>());
-      else
-        f.report(ErrorCode::syntax, f.path("track_order"), "The order of tracks contains a value that is not a text.",
-                 "Give ids of characters.");
-    }
-  read_film(f, s);
+  read_list(f, "scenarios", [&](Fields& g) {
+    Scenario& inner = s.scenarios.emplace_back();
+    g.require("id", "the id of the inner scenario");
+    g.text("id", inner.id);
+    inner.name = inner.id;
+    read_inner_settings(g, inner);
+    read_items(g, inner);
+  });
   read_circuit_field(f, s);
   f.refuse_others();
   if (!problems.empty()) return fail(std::move(problems));
@@ -463,17 +533,16 @@ Result<Scenario> read_scenario(std::string_view text, std::string_view name) {
   if (!problems.empty()) return fail(std::move(problems));
   return s;
 }
-
 std::string write_scenario(const Scenario& scenario) { return to_text(to_json(scenario), 2) + "\n"; }
 
 Error check_scenario(const Scenario& scenario, const Catalogue* catalogue, std::string_view name) {
   Error problems;
   Catalogue with_props;
-  for (const ScenarioCharacter& c : scenario.characters) {
+  const auto add_prop = [&](const ScenarioCharacter& c) {
     Error unused;
-    if (!catalogue || !c.prop) continue;
+    if (!catalogue || !c.prop) return;
     check_prop(*c.prop, "", unused);
-    if (!unused.empty()) continue;
+    if (!unused.empty()) return;
     if (catalogue != &with_props) with_props = *catalogue;
     catalogue = &with_props;
     if (c.prop->shape != PropShape::mesh) {
@@ -486,8 +555,21 @@ Error check_scenario(const Scenario& scenario, const Catalogue* catalogue, std::
       facts.nq = facts.free_root ? 7 : 0;
       with_props.mechanisms.emplace(c.mechanism, std::move(facts));
     }
+  };
+  for_each_scenario(scenario, [&](const Scenario& s) { std::ranges::for_each(s.characters, add_prop); });
+  const std::string root(name);
+  check_instances(scenario, root, problems);
+  if (!problems.empty()) return problems;
+  const bool nested = !scenario.instances.empty(), nests = nested || !scenario.scenarios.empty();
+  const Scenario flat = nested ? flatten(scenario) : Scenario();
+  Checker(scenario, nested ? flat : scenario, nests, catalogue, name, problems).check(false);
+  for (std::size_t i = 0; i < scenario.scenarios.size(); ++i) {
+    const Scenario& inner = scenario.scenarios[i];
+    Checker(inner, flatten(open_scenario(scenario, inner.id)), true, catalogue, root + "/scenarios/" + std::to_string(i), problems)
+        .check(true);
   }
-  Checker(scenario, catalogue, name, problems).check();
+  // Values can leave their range only when an instance moves or shifts them.
+  if (nested && problems.empty()) Checker(flat, flat, false, catalogue, root + ", flattened", problems).check(false);
   return problems;
 }
 

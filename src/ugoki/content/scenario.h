@@ -22,7 +22,8 @@
 
 namespace ugoki::content {
 
-inline constexpr int scenario_version = 1;
+/// Highest version of documents that this program reads. Documents without nested scenarios are written as version 1.
+inline constexpr int scenario_version = 2;
 
 /// Keys that a user set over the motion of a clip. The ids of the layers of one clip are different; two clips can have layers of the same
 /// id.
@@ -168,6 +169,17 @@ struct ScenarioRange {
   friend bool operator==(const ScenarioRange&, const ScenarioRange&) = default;
 };
 
+/// An inner scenario that a scenario places in time and space. flatten() expands it to ordinary characters.
+struct ScenarioInstance {
+  std::string id, name;
+  std::string scenario;  ///< id of an inner scenario of the document
+  double start = 0;      ///< s: time in the placing scenario at which the inner scenario begins
+  ScenarioPlace place;   ///< of the origin of the inner scenario
+  bool muted = false;    ///< its characters are left out of playing
+  bool solo = false;     ///< if any track is solo, tracks that are not solo are left out
+  friend bool operator==(const ScenarioInstance&, const ScenarioInstance&) = default;
+};
+
 struct ScenarioGround {
   double height = 0;       ///< m, world
   double friction = 0.9;   ///< Coulomb friction coefficient
@@ -183,7 +195,10 @@ struct ScenarioCamera {
   friend bool operator==(const ScenarioCamera&, const ScenarioCamera&) = default;
 };
 
+/// A scenario document, or an inner scenario of a document. The settings of an inner scenario (frame rate, step, gravity, ground, look),
+/// its poses and its circuit are those of the document; its own fields for them have their default values.
 struct Scenario {
+  std::string id;  ///< of an inner scenario; empty for the document
   std::string name = "untitled";
   double duration = 10;          ///< s
   double frame_rate = 60;        ///< display frames per second
@@ -202,12 +217,20 @@ struct Scenario {
   std::vector<FilmCamera> cameras;
   std::vector<FilmShot> shots;  ///< sorted by start
   ScenarioLook look;
-  std::string circuit;  ///< JSON object of docs/circuit.md; empty: the default circuit
+  std::string circuit;                      ///< JSON object of docs/circuit.md; empty: the default circuit
+  std::vector<ScenarioInstance> instances;  ///< placed inner scenarios
+  /// Ids of characters, rules and variables in the order that flatten() gives them; those of instances as "instance/id". Others follow. The
+  /// bits of a simulation depend on this order.
+  std::vector<std::string> order;
+  std::vector<Scenario> scenarios;  ///< the inner scenarios of a document; empty in an inner scenario
   friend bool operator==(const Scenario&, const Scenario&) = default;
 
   /// Returns the character with this id, or null.
   [[nodiscard]] const ScenarioCharacter* find_character(std::string_view id) const;
   [[nodiscard]] ScenarioCharacter* find_character(std::string_view id);
+  /// Returns the inner scenario with this id, or null.
+  [[nodiscard]] const Scenario* find_scenario(std::string_view id) const;
+  [[nodiscard]] Scenario* find_scenario(std::string_view id);
 };
 
 /// Properties of a mechanism that check_scenario() needs.
@@ -246,14 +269,18 @@ struct Catalogue {
 
 /// True if `text` is a valid id: 1 ... `max_size` letters, digits, '-', '_' or '.'.
 [[nodiscard]] bool is_id(std::string_view text, std::size_t max_size = 40);
+/// True if `text` is a valid id of an item: is_id(), or several of them joined by '/', as flatten() makes them ("duet.1/human").
+[[nodiscard]] bool is_item_id(std::string_view text);
 /// Maximum size of a mechanism's or motion's id: "mechanism/ID" must fit into the 31 bytes of a section name of *.ugx.
 inline constexpr std::size_t max_resource_id = 21;
 
-/// Returns the part of the document that executable data contains: without characters that are muted or not solo, without their events and
-/// rules, and without markers, poses, range, locks and the layout of the timeline. A camera that follows a left-out character follows none.
+/// Returns the part of the document that executable data contains: flattened (flatten()), without characters that are muted or not solo,
+/// without their events and rules, and without markers, poses, range, locks and the layout of the timeline. A camera that follows a
+/// left-out character follows none.
 [[nodiscard]] Scenario played_part(Scenario scenario);
 
-/// Sorts clips by start, and events and markers by time; if these are equal, by id.
+/// Sorts clips by start, and events and markers by time; if these are equal, by id. Events of one time are sorted by the last part of their
+/// id first, so that nesting them does not change their order.
 void put_in_order(Scenario& scenario);
 
 }  // namespace ugoki::content

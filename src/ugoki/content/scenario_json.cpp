@@ -235,19 +235,20 @@ void read_marker(Fields& f, ScenarioMarker& out) {
   f.text("name", out.name);
 }
 
-void read_settings(Fields& f, Scenario& out) {
+void read_instance(Fields& f, ScenarioInstance& out) {
+  f.text("id", out.id);
+  f.text("name", out.name);
+  f.text("scenario", out.scenario);
+  f.number("start", out.start);
+  read_object(f, "place", [&](Fields& g) { read_place(g, out.place); });
+  f.boolean("muted", out.muted);
+  f.boolean("solo", out.solo);
+}
+
+void read_inner_settings(Fields& f, Scenario& out) {
   f.text("name", out.name);
   f.number("duration", out.duration);
-  f.number("frame_rate", out.frame_rate);
-  f.number("step", out.step);
-  f.vec3("gravity", out.gravity);
-  read_object(f, "ground", [&](Fields& g) {
-    g.number("height", out.ground.height);
-    g.number("friction", out.ground.friction);
-    g.number("restitution", out.ground.restitution);
-  });
   read_object(f, "camera", [&](Fields& g) { read_camera(g, out.camera); });
-  read_object(f, "look", [&](Fields& g) { read_look(g, out.look); });
   if (const Json* range = f.find("range"); range && range->is_null()) {
     out.range = {};
   } else {
@@ -258,6 +259,23 @@ void read_settings(Fields& f, Scenario& out) {
       g.number("to", out.range.to);
     });
   }
+}
+
+void read_settings(Fields& f, Scenario& out) {
+  read_inner_settings(f, out);
+  read_world_settings(f, out);
+}
+
+void read_world_settings(Fields& f, Scenario& out) {
+  f.number("frame_rate", out.frame_rate);
+  f.number("step", out.step);
+  f.vec3("gravity", out.gravity);
+  read_object(f, "ground", [&](Fields& g) {
+    g.number("height", out.ground.height);
+    g.number("friction", out.ground.friction);
+    g.number("restitution", out.ground.restitution);
+  });
+  read_object(f, "look", [&](Fields& g) { read_look(g, out.look); });
 }
 
 void read_circuit_field(Fields& f, Scenario& out) {
@@ -354,49 +372,78 @@ Json to_json(const ScenarioEvent& e) {
   return json;
 }
 
+namespace {
+
+Json to_json(const ScenarioPlace& p) { return {{"x", p.x}, {"y", p.y}, {"z", p.z}, {"heading", p.heading}}; }
+
+Json to_json(const ScenarioCamera& c) {
+  return {{"follow", c.follow.empty() ? Json(nullptr) : Json(c.follow)},
+          {"distance", c.distance},
+          {"azimuth", c.azimuth},
+          {"elevation", c.elevation}};
+}
+
+Json to_json(const ScenarioInstance& i) {
+  Json json = {{"id", i.id}, {"name", i.name}, {"scenario", i.scenario}, {"start", i.start}, {"place", to_json(i.place)}};
+  if (i.muted) json["muted"] = true;
+  if (i.solo) json["solo"] = true;
+  return json;
+}
+
+template <class List, class Make>
+Json list_of(const List& list, Make make) {
+  Json json = Json::array();
+  for (const auto& item : list) json.push_back(make(item));
+  return json;
+}
+
+/// Writes the lists that are absent if they are empty, of a document or an inner scenario.
+void write_items(const Scenario& s, const std::vector<ScenarioPose>& poses, Json& json) {
+  const auto item = [](const auto& x) { return content::to_json(x); };
+  if (s.range.is_set()) json["range"] = {{"from", s.range.from}, {"to", s.range.to}};
+  if (!s.markers.empty())
+    json["markers"] =
+        list_of(s.markers, [](const ScenarioMarker& m) -> Json { return {{"id", m.id}, {"time", m.time}, {"name", m.name}}; });
+  if (!s.rules.empty()) json["rules"] = list_of(s.rules, item);
+  if (!s.variables.empty()) json["variables"] = list_of(s.variables, item);
+  if (!poses.empty()) json["poses"] = list_of(poses, item);
+  if (!s.track_order.empty()) json["track_order"] = s.track_order;
+  write_film(s.cameras, s.shots, json);
+  if (!s.instances.empty()) json["instances"] = list_of(s.instances, [](const ScenarioInstance& i) { return to_json(i); });
+  if (!s.order.empty()) json["order"] = s.order;
+}
+
+Json inner_to_json(const Scenario& s) {
+  const auto item = [](const auto& x) { return content::to_json(x); };
+  Json json = {{"id", s.id},
+               {"name", s.name},
+               {"duration", s.duration},
+               {"characters", list_of(s.characters, item)},
+               {"events", list_of(s.events, item)}};
+  if (!(s.camera == ScenarioCamera())) json["camera"] = to_json(s.camera);
+  write_items(s, {}, json);
+  return json;
+}
+
+}  // namespace
+
 Json to_json(const Scenario& s) {
-  Json characters = Json::array(), events = Json::array();
-  for (const ScenarioCharacter& c : s.characters) characters.push_back(to_json(c));
-  for (const ScenarioEvent& e : s.events) events.push_back(to_json(e));
-  Json json = {{"version", scenario_version},
+  const auto item = [](const auto& x) { return content::to_json(x); };
+  const bool nests = !s.scenarios.empty() || !s.instances.empty();
+  Json json = {{"version", nests ? scenario_version : 1},
                {"name", s.name},
                {"duration", s.duration},
                {"frame_rate", s.frame_rate},
                {"step", s.step},
                {"gravity", to_json(s.gravity)},
                {"ground", {{"height", s.ground.height}, {"friction", s.ground.friction}, {"restitution", s.ground.restitution}}},
-               {"characters", std::move(characters)},
-               {"events", std::move(events)},
-               {"camera",
-                {{"follow", s.camera.follow.empty() ? Json(nullptr) : Json(s.camera.follow)},
-                 {"distance", s.camera.distance},
-                 {"azimuth", s.camera.azimuth},
-                 {"elevation", s.camera.elevation}}},
+               {"characters", list_of(s.characters, item)},
+               {"events", list_of(s.events, item)},
+               {"camera", to_json(s.camera)},
                {"look", to_json(s.look)},
                {"circuit", nullptr}};
-  if (s.range.is_set()) json["range"] = {{"from", s.range.from}, {"to", s.range.to}};
-  if (!s.markers.empty()) {
-    Json markers = Json::array();
-    for (const ScenarioMarker& m : s.markers) markers.push_back({{"id", m.id}, {"time", m.time}, {"name", m.name}});
-    json["markers"] = std::move(markers);
-  }
-  if (!s.rules.empty()) {
-    Json rules = Json::array();
-    for (const Rule& r : s.rules) rules.push_back(to_json(r));
-    json["rules"] = std::move(rules);
-  }
-  if (!s.variables.empty()) {
-    Json variables = Json::array();
-    for (const ScenarioVariable& v : s.variables) variables.push_back(to_json(v));
-    json["variables"] = std::move(variables);
-  }
-  if (!s.poses.empty()) {
-    Json poses = Json::array();
-    for (const ScenarioPose& pose : s.poses) poses.push_back(to_json(pose));
-    json["poses"] = std::move(poses);
-  }
-  if (!s.track_order.empty()) json["track_order"] = s.track_order;
-  write_film(s.cameras, s.shots, json);
+  write_items(s, s.poses, json);
+  if (!s.scenarios.empty()) json["scenarios"] = list_of(s.scenarios, inner_to_json);
   if (!s.circuit.empty()) json["circuit"] = Json::parse(s.circuit, nullptr, false);
   return json;
 }

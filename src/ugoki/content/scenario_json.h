@@ -16,7 +16,12 @@ void read_event(Fields& fields, ScenarioEvent& out);
 /// Reads the field `axes` of a push.
 void read_axes(Fields& fields, PushAxes& out);
 void read_marker(Fields& fields, ScenarioMarker& out);
-/// Reads the fields name, duration, frame_rate, step, gravity, ground, camera, look and range.
+void read_instance(Fields& fields, ScenarioInstance& out);
+/// Reads the fields name, duration, camera and range, which an inner scenario has too.
+void read_inner_settings(Fields& fields, Scenario& out);
+/// Reads the fields frame_rate, step, gravity, ground and look, which only the document has.
+void read_world_settings(Fields& fields, Scenario& out);
+/// Reads the fields of both.
 void read_settings(Fields& fields, Scenario& out);
 /// Reads the field `circuit`, which is an object or null.
 void read_circuit_field(Fields& fields, Scenario& out);

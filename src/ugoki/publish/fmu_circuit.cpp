@@ -62,6 +62,7 @@ class Maker {
   void add_character(const content::ExecutableCharacter& who, const std::string& dynamics, const std::string& status) {
     std::string id = who.id;
     std::replace(id.begin(), id.end(), '.', '_');
+    std::replace(id.begin(), id.end(), '/', '_');  // of instances: "duet.1/human"
     const Mechanism& m = *content_.mechanisms[static_cast<std::size_t>(who.mechanism)];
     const std::string root = m.link(0).name, push = add("push-" + id, "push", 0), pose = add("pose-" + id, "link pose", 1),
                       split = add("split-" + id, "split pose", 2), centre = add("centre-" + id, "centre of mass", 1),
