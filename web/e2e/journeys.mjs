@@ -28,6 +28,7 @@ import { gait_journeys } from './gaits.mjs';
 import { jump_journeys } from './jumps.mjs';
 import { library_journeys } from './library.mjs';
 import { motion_journeys } from './motion.mjs';
+import { nested_journeys } from './nested.mjs';
 import { mock } from './service.mjs';
 
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
@@ -483,5 +484,5 @@ export const closing = {
 export const groups = [
   first_journeys, accessibility_journeys, editor_journeys, session_journeys, plugin_journeys, timeline_journeys, rule_journeys, look_journeys,
   circuit_journeys, repair_journeys, prop_journeys, jump_journeys, library_journeys, posing_journeys, motion_journeys, recording_journeys, gait_journeys,
-  skin_journeys, pull_journeys, push_journeys, key_journeys, sweep_journeys, body_journeys, control_journeys, request_journeys,
+  skin_journeys, pull_journeys, push_journeys, key_journeys, sweep_journeys, body_journeys, control_journeys, request_journeys, nested_journeys,
 ];

@@ -45,7 +45,7 @@ Result<Track> make_track(const content::Scenario& scenario, const content::Resou
 }
 
 /// The document with `before` in place of the clip.
-Result<content::Scenario> with_clip(const project::Project& project, const std::string& character, const std::string& clip, Json before) {
+Result<content::Scenario> with_clip(const ShownScenario& project, const std::string& character, const std::string& clip, Json before) {
   Result<Json> document = json::parse_json(content::write_scenario(project.scenario()), "scenario");
   if (!document) return fail(std::move(document.error()));
   before["id"] = clip;
@@ -95,7 +95,7 @@ struct Largest {
 
 }  // namespace
 
-Result<std::string> compare_motion(const project::Project& project, const Json& request) {
+Result<std::string> compare_motion(const ShownScenario& project, const Json& request) {
   const auto text = [&](const char* key) {
     return request.contains(key) && request[key].is_string() ? request[key].get<std::string>() : std::string();
   };

@@ -6,12 +6,12 @@
 
 #include "ugoki/base/result.h"
 #include "ugoki/json/json.h"
-#include "ugoki/project/project.h"
+#include "ugoki/studio/shown_scenario.h"
 
 namespace ugoki::studio {
 
 /// @param request `character`, `clip` and `before`, the earlier clip in its JSON form; its motion must still be in the project
 /// @return JSON fields of the answer, each with a comma before it (docs/studio-protocol.md)
-[[nodiscard]] Result<std::string> compare_motion(const project::Project& project, const json::Json& request);
+[[nodiscard]] Result<std::string> compare_motion(const ShownScenario& project, const json::Json& request);
 
 }  // namespace ugoki::studio

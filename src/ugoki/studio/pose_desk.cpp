@@ -43,7 +43,7 @@ struct Shown {
   [[nodiscard]] const Motion& layered_motion(std::size_t i) const { return *layered->resources.motions.at(character->track[i].motion); }
 };
 
-Result<Shown> find_shown(const project::Project& project, const content::LayeredContent& layered, Fields& f) {
+Result<Shown> find_shown(const ShownScenario& project, const content::LayeredContent& layered, Fields& f) {
   std::string character, clip;
   f.require("character", "a character's id");
   f.text("character", character);
@@ -290,7 +290,7 @@ void read_from(Fields& f, const Mechanism& m, std::span<double> q) {
 
 }  // namespace
 
-Result<const content::LayeredContent*> PoseDesk::layered(const project::Project& project) {
+Result<const content::LayeredContent*> PoseDesk::layered(const ShownScenario& project) {
   if (!layered_ || revision_ != project.revision() || path_ != project.path()) {
     Result<content::LayeredContent> made = content::apply_layers(project.scenario(), project.resources());
     if (!made) return fail(std::move(made.error()));
@@ -301,7 +301,7 @@ Result<const content::LayeredContent*> PoseDesk::layered(const project::Project&
   return &*layered_;
 }
 
-Result<void> PoseDesk::drag(const project::Project& project, const MechanismPtr& mechanism, const std::string& id, BodyDragOptions options,
+Result<void> PoseDesk::drag(const ShownScenario& project, const MechanismPtr& mechanism, const std::string& id, BodyDragOptions options,
                             const Vec3& target, double seconds, std::span<double> q) {
   auto found = std::ranges::find_if(drags_, [&](const Drag& d) { return d.id == id && d.revision == project.revision(); });
   if (found == drags_.end()) {
@@ -317,7 +317,7 @@ Result<void> PoseDesk::drag(const project::Project& project, const MechanismPtr&
   return {};
 }
 
-Result<std::string> PoseDesk::pose(const project::Project& project, const Json& request) {
+Result<std::string> PoseDesk::pose(const ShownScenario& project, const Json& request) {
   Error problems;
   Fields f(request, "", problems);
   const Result<const content::LayeredContent*> content = layered(project);
@@ -432,7 +432,7 @@ Result<std::string> PoseDesk::pose(const project::Project& project, const Json& 
   return "," + text.substr(1, text.size() - 2);
 }
 
-Result<std::string> PoseDesk::curves(const project::Project& project, const Json& request) {
+Result<std::string> PoseDesk::curves(const ShownScenario& project, const Json& request) {
   Error problems;
   Fields f(request, "", problems);
   const Result<const content::LayeredContent*> content = layered(project);
@@ -492,7 +492,7 @@ Result<std::string> PoseDesk::curves(const project::Project& project, const Json
          ",\"curves\":" + json::to_text(list);
 }
 
-Result<std::string> PoseDesk::stored(const project::Project& project, const Json& request) {
+Result<std::string> PoseDesk::stored(const ShownScenario& project, const Json& request) {
   Error problems;
   Fields f(request, "", problems);
   std::string id;
@@ -517,7 +517,7 @@ Result<std::string> PoseDesk::stored(const project::Project& project, const Json
   return ",\"poses\":" + json::to_text(list);
 }
 
-Result<std::string> PoseDesk::joints(const project::Project& project, const Json& request) {
+Result<std::string> PoseDesk::joints(const ShownScenario& project, const Json& request) {
   Error problems;
   Fields f(request, "", problems);
   std::string id;

@@ -8,7 +8,9 @@
 #include "ugoki/circuit/circuit.h"
 #include "ugoki/circuit/devices.h"
 #include "ugoki/content/default_circuit.h"
+#include "ugoki/content/flatten.h"
 #include "ugoki/content/generate.h"
+#include "ugoki/content/scenario_json.h"
 #include "ugoki/content/track.h"
 #include "ugoki/files/files.h"
 #include "ugoki/json/json.h"
@@ -59,7 +61,7 @@ std::string warning_event(const Problem& warning) {
 }  // namespace
 
 Session::Session(SessionOptions options, project::Project project, Outbox& outbox, std::function<void(std::function<void()>)> post)
-    : options_(std::move(options)), project_(std::move(project)), outbox_(outbox), post_(std::move(post)) {}
+    : options_(std::move(options)), project_(std::move(project)), outbox_(outbox), post_(std::move(post)), shown_(project_) {}
 
 Session::~Session() = default;
 
@@ -133,6 +135,7 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
   }
   if (request.op == "command") return execute(request);
   if (request.op == "undo" || request.op == "redo") return undo_or_redo(request.op == "undo");
+  if (request.op == "enter") return enter(request);
   if (request.op == "save") return save(request);
   if (request.op == "open") return open_project(request);
   if (request.op == "new") return new_project(request);
@@ -148,11 +151,11 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
     answered = false;
     return {};
   }
-  if (request.op == "pose") return poses_.pose(project_, request.json);
-  if (request.op == "curves") return poses_.curves(project_, request.json);
-  if (request.op == "poses") return PoseDesk::stored(project_, request.json);
-  if (request.op == "joints") return PoseDesk::joints(project_, request.json);
-  if (request.op == "compare") return compare_motion(project_, request.json);
+  if (request.op == "pose") return poses_.pose(shown_, request.json);
+  if (request.op == "curves") return poses_.curves(shown_, request.json);
+  if (request.op == "poses") return PoseDesk::stored(shown_, request.json);
+  if (request.op == "joints") return PoseDesk::joints(shown_, request.json);
+  if (request.op == "compare") return compare_motion(shown_, request.json);
   if (request.op == "gaits") return list_gaits(request);
   if (request.op == "remember") return remember(request);
   if (request.op == "breakpoints") return set_breakpoints(request);
@@ -186,19 +189,25 @@ std::string Session::edited_event(const std::string& changes, std::uint64_t from
 
 std::string Session::document_fields() const {
   std::string fields = state_fields();
-  if (project_.scenario().circuit.empty())
-    fields += ",\"generated_circuit\":" + content::default_circuit(content::played_part(project_.scenario()));
-  return fields + ",\"document\":" + project_.document();
+  if (shown_.scenario().circuit.empty())
+    fields += ",\"generated_circuit\":" + content::default_circuit(content::played_part(shown_.scenario()));
+  return fields + ",\"open\":" + text_of(Json(shown_.opened())) + ",\"outermost\":" + text_of(project_.scenario().name) +
+         ",\"document\":" + shown_.document();
 }
 
 std::string Session::state_fields() const {
   Json characters = Json::array();
-  for (const content::ScenarioCharacter& c : content::played_part(project_.scenario()).characters) {
+  for (const content::ScenarioCharacter& c : content::played_part(shown_.scenario()).characters) {
     const auto mechanism = project_.resources().mechanisms.find(c.mechanism);
     const bool known = mechanism != project_.resources().mechanisms.end();
     const int links = known ? mechanism->second->link_count() : 0;
     const double end_speed = known ? content::calc_end_speed(c, *mechanism->second, project_.resources()) : 0;
-    characters.push_back({{"id", c.id}, {"name", c.name}, {"mechanism", c.mechanism}, {"links", links}, {"end_speed", end_speed}});
+    Json character = {{"id", c.id}, {"name", c.name}, {"mechanism", c.mechanism}, {"links", links}, {"end_speed", end_speed}};
+    if (!shown_.scenario().find_character(c.id)) {  // of an instance: the pages do not flatten the document
+      character["look"] = content::to_json(c);
+      character["look"].erase("track");
+    }
+    characters.push_back(std::move(character));
   }
   const Json project = {{"path", project_.path()}, {"name", file_name(project_.path())}, {"unsaved", project_.unsaved()}};
   const Json state = {{"project", project},
@@ -221,7 +230,7 @@ std::string Session::transport_event() const {
                   {"speed", speed_},
                   {"loop", loop_},
                   {"time", 0},
-                  {"duration", project_.scenario().duration},
+                  {"duration", shown_.scenario().duration},
                   {"simulated", 0},
                   {"steps_per_s", 0},
                   {"realtime_factor", 0},
@@ -235,7 +244,9 @@ Result<std::string> Session::execute(const Request& request) {
   // For an edit of the circuit the pages get only the changes: a large circuit need not be sent again.
   const bool edit = command->value("type", Json()) == "circuit.edit" && command->contains("changes");
   if (!request.resources) return fail(request.resources.error());
-  return apply(text_of(*command), edit ? text_of((*command)["changes"]) : "", *request.resources);
+  const Json scenario = request.json.value("scenario", Json(""));
+  if (!scenario.is_string()) return Request::invalid_field("scenario", "the id of an inner scenario");
+  return apply(command_in(scenario.get<std::string>(), text_of(*command)), edit ? text_of((*command)["changes"]) : "", *request.resources);
 }
 
 Result<std::string> Session::apply(const std::string& command, const std::string& circuit_changes,
@@ -253,6 +264,17 @@ Result<std::string> Session::undo_or_redo(bool undo) {
   if (!label) return label;
   changed(document_event());
   return ",\"label\":" + text_of(*label) + ",\"revision\":" + std::to_string(project_.revision());
+}
+
+/// Shows another scenario on all pages.
+Result<std::string> Session::enter(const Request& request) {
+  const auto path = request.json.find("path");
+  const auto is_text = [](const Json& id) { return id.is_string(); };
+  if (path == request.json.end() || !path->is_array() || !std::all_of(path->begin(), path->end(), is_text))
+    return Request::invalid_field("path", "a list of ids of inner scenarios");
+  if (Result<void> opened = shown_.open(path->get<std::vector<std::string>>()); !opened) return fail(std::move(opened.error()));
+  changed(document_event());
+  return "";
 }
 
 /// The stored choices of the user as JSON, or {} if the file is missing or damaged. A damaged file is not reported to the user.
@@ -291,7 +313,7 @@ Result<void> Session::check_transport(const Request& request) const {
       return Request::invalid_field("frames", "1 or -1");
   } else if (op == "seek") {
     if (!request.has_number("time")) return Request::invalid_field("time", "a number of seconds");
-    const double duration = project_.scenario().duration;
+    const double duration = shown_.scenario().duration;
     if (!request.is_number_from("time", 0, duration))
       return Request::out_of_range("time", 0, duration, "The scenario's duration is " + to_text(duration) + " s.");
   } else if (op == "drag") {
@@ -352,7 +374,7 @@ void Session::changed(std::string event) {
     listed_ = std::move(used);
     announce_library();
   }
-  if (range_ != project_.scenario().range) send_range();
+  if (range_ != shown_.scenario().range) send_range();
   const std::vector<std::byte> before = executable_;
   generate();
   if (!process_ || executable_.empty() || executable_ == before) return;
@@ -360,7 +382,7 @@ void Session::changed(std::string event) {
 }
 
 void Session::generate() {
-  content::Scenario scenario = project_.scenario();
+  content::Scenario scenario = shown_.scenario();
   remove_display(scenario);
   if (Result<circuit::Circuit> own = circuit::read_circuit(scenario.circuit); own && !scenario.circuit.empty()) {
     remove_display(*own);
@@ -377,7 +399,7 @@ void Session::load_content() {
 }
 
 void Session::load_without_circuit() {
-  content::Scenario scenario = project_.scenario();
+  content::Scenario scenario = shown_.scenario();
   if (scenario.circuit.empty() || !process_) return;
   scenario.circuit.clear();
   if (Result<std::vector<std::byte>> made = content::generate(scenario, project_.resources()))
@@ -543,10 +565,12 @@ void Session::announce_library() { outbox_.broadcast(R"({"event":"library"})"); 
 
 std::set<std::string> Session::used_motions() const {
   std::set<std::string> used;
-  for (const content::ScenarioCharacter& c : project_.scenario().characters)
-    for (const content::ScenarioClip& clip : c.track) used.insert(clip.motion);
-  for (const content::Rule& r : project_.scenario().rules)
-    if (r.action.type == content::ActionType::play) used.insert(r.action.motion);
+  content::for_each_scenario(project_.scenario(), [&](const content::Scenario& s) {
+    for (const content::ScenarioCharacter& c : s.characters)
+      for (const content::ScenarioClip& clip : c.track) used.insert(clip.motion);
+    for (const content::Rule& r : s.rules)
+      if (r.action.type == content::ActionType::play) used.insert(r.action.motion);
+  });
   return used;
 }
 

@@ -23,6 +23,7 @@
 #include "ugoki/studio/interpreter_process.h"
 #include "ugoki/studio/outbox.h"
 #include "ugoki/studio/pose_desk.h"
+#include "ugoki/studio/shown_scenario.h"
 #include "ugoki/studio/task_queue.h"
 
 namespace ugoki::studio {
@@ -116,6 +117,7 @@ class Session {
   void finish_motion(MotionTask& task);
   [[nodiscard]] Result<std::string> insert_motion(const MotionTask& task);
   [[nodiscard]] Result<std::string> undo_or_redo(bool undo);
+  [[nodiscard]] Result<std::string> enter(const Request& request);
   [[nodiscard]] Result<std::string> save(const Request& request);
   // session_project.cpp: another project is opened or created, in place of the open project
   [[nodiscard]] Result<std::string> open_project(const Request& request);
@@ -163,6 +165,7 @@ class Session {
   std::map<std::string, std::shared_ptr<MotionTask>> motion_tasks_;  ///< running operations on motions, by the name that the page gave
   TaskQueue motion_queue_;
   PoseDesk poses_;
+  ShownScenario shown_;
 
   std::unique_ptr<InterpreterProcess> process_;
   std::atomic<int> pid_ = -1;

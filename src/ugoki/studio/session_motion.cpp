@@ -72,6 +72,7 @@ struct Session::MotionTask {
   std::string name;
   ClientId client = 0;
   std::string reply_to;
+  std::string scenario;  ///< id of the inner scenario that was shown; empty: the document
   std::string character;
   std::string body_id;  ///< id of the mechanism to retarget to, if the project or the library has it
   MotionEdit edit;
@@ -115,6 +116,7 @@ Result<std::shared_ptr<Session::MotionTask>> Session::new_motion_task(const Requ
   task->name = text_field(request.json, "task");
   task->client = request.client;
   task->reply_to = request.reply_to;
+  task->scenario = shown_.id();
   task->character = text_field(request.json, "character");
   if (task->name.empty() || task->name.size() > 40 || motion_tasks_.contains(task->name))
     return Request::invalid_field("task", "a new name of at most 40 characters");
@@ -134,7 +136,7 @@ Result<void> Session::start_motion(const Request& request) {
   if (!needs) return fail(needs.error());
   if (request.json.contains("options")) edit.options = request.json["options"];
 
-  const content::ScenarioCharacter* character = project_.scenario().find_character(task->character);
+  const content::ScenarioCharacter* character = shown_.scenario().find_character(task->character);
   const std::string clip_id = text_field(request.json, "clip");
   if (character == nullptr) return Request::invalid_field("character", "a character's id");
   const auto clip = std::ranges::find_if(character->track, [&](const content::ScenarioClip& c) { return c.id == clip_id; });
@@ -185,7 +187,7 @@ Result<void> Session::start_gait(const Request& request) {
   if (!fresh) return fail(std::move(fresh.error()));
   const std::shared_ptr<MotionTask> task = *fresh;
   task->edit.operation = "gait";
-  const content::ScenarioCharacter* character = project_.scenario().find_character(task->character);
+  const content::ScenarioCharacter* character = shown_.scenario().find_character(task->character);
   if (character == nullptr) return Request::invalid_field("character", "a character's id");
   GaitRequest& gait = task->gait.emplace();
   gait.mechanism = find_mechanism(character->mechanism);
@@ -195,7 +197,7 @@ Result<void> Session::start_gait(const Request& request) {
   const std::string clip_id = text_field(request.json, "clip");
   task->adds_clip = clip_id.empty();
   if (task->adds_clip) {
-    gait.clip.id = free_id(project_.scenario(), 'k');
+    gait.clip.id = free_id(shown_.scenario(), 'k');
     if (request.json.contains("start")) {
       if (!request.json["start"].is_number()) return Request::invalid_field("start", "a time in seconds");
       gait.clip.start = request.json["start"].get<double>();
@@ -213,7 +215,7 @@ Result<void> Session::start_gait(const Request& request) {
     content::read_gait_recipe(request.json["gait"], "gait", *gait.clip.gait, problems);
     if (!problems.empty()) return fail(std::move(problems));
   }
-  const Vec3 gravity = project_.scenario().gravity;
+  const Vec3 gravity = shown_.scenario().gravity;
   gait.gravity = std::sqrt(gravity.x * gravity.x + gravity.y * gravity.y + gravity.z * gravity.z);
   gait.cancelled = &task->cancelled;
   post_motion_task(task);
@@ -221,7 +223,7 @@ Result<void> Session::start_gait(const Request& request) {
 }
 
 Result<std::string> Session::list_gaits(const Request& request) const {
-  const content::ScenarioCharacter* character = project_.scenario().find_character(text_field(request.json, "character"));
+  const content::ScenarioCharacter* character = shown_.scenario().find_character(text_field(request.json, "character"));
   const MechanismPtr mechanism = character ? find_mechanism(character->mechanism) : nullptr;
   if (!mechanism) return Request::invalid_field("character", "a character's id");
   Result<Json> gaits = describe_gaits(mechanism);
@@ -283,7 +285,8 @@ Result<std::string> Session::insert_motion(const MotionTask& task) {
   const EditedMotion& made = *task.made;
   const std::vector<std::byte> data = formats::write_motion(made.motion);
   const std::string id = made_motion_prefix + store::entry_id(store::EntryKind::motion, data).substr(2);
-  const content::ScenarioCharacter* character = project_.scenario().find_character(task.character);
+  const content::Scenario scenario = shown_.find(task.scenario);
+  const content::ScenarioCharacter* character = scenario.find_character(task.character);
   if (character == nullptr)
     return fail(ErrorCode::conflict, "character " + task.character, "The character was removed while the operation was running.",
                 "Undo the removal, then try again.");
@@ -299,9 +302,9 @@ Result<std::string> Session::insert_motion(const MotionTask& task) {
         if (!content::is_prop_mechanism(known) && formats::write_mechanism(*body) == text) mechanism = known;
       if (Result<void> put = project_.add_resource(mechanism, "mechanism", bytes_of(text)); !put) return fail(std::move(put.error()));
     }
-    on = free_id(project_.scenario(), 'c');
-    clip = free_id(project_.scenario(), 'k');
-    const content::ScenarioPlace spot = find_free_place(project_.scenario(), character->place);
+    on = free_id(scenario, 'c');
+    clip = free_id(scenario, 'k');
+    const content::ScenarioPlace spot = find_free_place(scenario, character->place);
     const Json place = {{"x", spot.x}, {"y", spot.y}, {"heading", spot.heading}};
     commands.push_back({{"type", "character.add"}, {"id", on}, {"mechanism", mechanism}, {"place", place}});
     Json add = timing_of(made.clip);
@@ -316,7 +319,7 @@ Result<std::string> Session::insert_motion(const MotionTask& task) {
                  {"gait", content::to_json(*made.clip.gait)}});
     commands.push_back(std::move(gait));
     const double end = made.clip.start + made.clip.length;
-    if (end > project_.scenario().duration) commands.push_back({{"type", "scenario.set"}, {"duration", std::ceil(end * 10) / 10}});
+    if (end > scenario.duration) commands.push_back({{"type", "scenario.set"}, {"duration", std::ceil(end * 10) / 10}});
   } else {
     Json set = timing_of(made.clip);
     set.update({{"type", "clip.set"}, {"character", on}, {"id", clip}, {"motion", id}, {"layers", Json::array()}});
@@ -324,7 +327,8 @@ Result<std::string> Session::insert_motion(const MotionTask& task) {
     if (task.edit.operation == "join") commands.push_back({{"type", "clip.remove"}, {"character", on}, {"id", task.edit.next.clip.id}});
   }
   if (Result<void> put = project_.add_resource(id, "motion", data); !put) return fail(std::move(put.error()));
-  Result<std::string> fields = apply(json::to_text({{"type", "group"}, {"label", made.label}, {"commands", std::move(commands)}}));
+  Result<std::string> fields =
+      apply(command_in(task.scenario, json::to_text({{"type", "group"}, {"label", made.label}, {"commands", std::move(commands)}})));
   if (!fields) return fields;
   const Json report = made.report;
   return *fields + ",\"character\":" + json::to_text(on) + ",\"clip\":" + json::to_text(clip) + ",\"motion\":" + json::to_text(id) +

@@ -138,13 +138,14 @@ void Session::replace_project(project::Project project) {
   simulate_ = loop_ = false;
   executable_.clear();
   project_ = std::move(project);
+  (void)shown_.open({});
   outbox_.broadcast(R"({"event":"opened"})");
   start();
   announce_library();  // the list contains the motions of the project
 }
 
 void Session::send_range() {
-  range_ = project_.scenario().range;
+  range_ = shown_.scenario().range;
   Json message = {{"op", "range"}, {"loop", loop_}};
   if (range_.is_set()) {
     message["from"] = range_.from;

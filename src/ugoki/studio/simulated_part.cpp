@@ -1,5 +1,7 @@
 #include "ugoki/studio/simulated_part.h"
 
+#include "ugoki/content/flatten.h"
+
 namespace ugoki::studio {
 
 void remove_display(circuit::Circuit& circuit) {
@@ -17,14 +19,16 @@ void remove_display(circuit::Circuit& circuit) {
 }
 
 void remove_display(content::Scenario& scenario) {
-  scenario.camera = {};
   scenario.look = {};
-  scenario.cameras.clear();
-  scenario.shots.clear();
-  for (content::ScenarioCharacter& c : scenario.characters) {
-    c.color = content::ScenarioCharacter().color;
-    c.material = {};
-  }
+  content::for_each_scenario(scenario, [](content::Scenario& s) {
+    s.camera = {};
+    s.cameras.clear();
+    s.shots.clear();
+    for (content::ScenarioCharacter& c : s.characters) {
+      c.color = content::ScenarioCharacter().color;
+      c.material = {};
+    }
+  });
 }
 
 }  // namespace ugoki::studio

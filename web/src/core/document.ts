@@ -128,6 +128,29 @@ export interface PlayRange {
   to: number;
 }
 
+/** An inner scenario that the scenario places in time and space. */
+export interface ScenarioInstance {
+  id: string;
+  name: string;
+  /** Id of an inner scenario of the document. */
+  scenario: string;
+  /** Time in this scenario at which the inner scenario begins, s. */
+  start: number;
+  place: Place;
+  /** True: its characters are left out of playing. */
+  muted?: boolean;
+  solo?: boolean;
+}
+
+/** An inner scenario, as far as the page shows it from outside. The service makes a whole document of the one that is open. */
+export interface InnerScenario {
+  id: string;
+  name: string;
+  duration: number;
+  characters: Character[];
+  instances?: ScenarioInstance[];
+}
+
 export interface ScenarioDocument {
   version: number;
   name: string;
@@ -161,6 +184,10 @@ export interface ScenarioDocument {
   /** Sorted by start. Absent: there are none. */
   shots?: FilmShot[];
   circuit?: Circuit | null;
+  /** Placed inner scenarios. Absent: there are none. */
+  instances?: ScenarioInstance[];
+  /** Inner scenarios of the whole document, placed or not. Absent: there are none. */
+  scenarios?: InnerScenario[];
 }
 
 export type ClipFields = Partial<Omit<Clip, 'id'>>;
@@ -201,7 +228,12 @@ export type Command =
   | { type: 'shot.add'; shot: FilmShot }
   | { type: 'shot.set'; id: string; shot: Partial<Omit<FilmShot, 'id'>> }
   | { type: 'shot.remove'; id: string }
-  | ({ type: 'scenario.set' } & Partial<Omit<ScenarioDocument, 'version' | 'characters' | 'events' | 'rules' | 'variables' | 'poses' | 'track_order' | 'cameras' | 'shots' | 'circuit'>>)
+  | ({ type: 'scenario.set' } & Partial<Omit<ScenarioDocument, 'version' | 'characters' | 'events' | 'rules' | 'variables' | 'poses' | 'track_order' | 'cameras' | 'shots' | 'circuit' | 'instances' | 'scenarios'>>)
+  | { type: 'scenario.nest'; name: string; characters: string[]; instances?: string[] }
+  | { type: 'scenario.remove'; id: string }
+  | { type: 'instance.add'; scenario: string; id?: string; name?: string; start?: number; place?: Partial<Place>; muted?: boolean; solo?: boolean }
+  | { type: 'instance.set'; id: string; name?: string; start?: number; place?: Partial<Place>; muted?: boolean; solo?: boolean }
+  | { type: 'instance.remove' | 'instance.unnest'; id: string }
   | { type: 'circuit.set'; circuit: Circuit | null }
   | { type: 'circuit.edit'; label: string; changes: Change[] }
   | { type: 'group'; label: string; commands: Command[] };
@@ -216,7 +248,9 @@ export const find_marker = (doc: ScenarioDocument, id: string): Marker | undefin
 
 /** True if the character is left out of playing: it is muted, or others are solo and it is not. */
 export const is_left_out = (doc: ScenarioDocument, character: Character): boolean =>
-  Boolean(character.muted) || (!character.solo && doc.characters.some((c) => c.solo));
+  Boolean(character.muted) || (!character.solo && any_solo(doc));
+
+const any_solo = (doc: ScenarioDocument): boolean => doc.characters.some((c) => c.solo) || Boolean(doc.instances?.some((i) => i.solo));
 
 export const find_event = (doc: ScenarioDocument, id: string): ScenarioEvent | undefined => doc.events.find((e) => e.id === id);
 
@@ -241,6 +275,7 @@ export function content_end(doc: ScenarioDocument): number {
   let end = 0;
   for (const c of doc.characters) for (const k of c.track) end = Math.max(end, k.start + k.length);
   for (const e of doc.events) end = Math.max(end, e.time + (e.duration ?? 0));
+  for (const i of doc.instances ?? []) end = Math.max(end, i.start + (doc.scenarios?.find((s) => s.id === i.scenario)?.duration ?? 0));
   return end;
 }
 
@@ -308,6 +343,12 @@ export function apply_command(doc: ScenarioDocument, command: Command, generated
       return { ...doc, poses: (doc.poses ?? []).map((p) => (p.id === command.id ? { ...p, ...command.pose } : p)) };
     case 'pose.remove':
       return { ...doc, poses: (doc.poses ?? []).filter((p) => p.id !== command.id) };
+    case 'instance.set': {
+      const { type: _type, id, place, ...fields } = command;
+      return { ...doc, instances: (doc.instances ?? []).map((i) => (i.id === id ? { ...i, ...fields, place: { ...i.place, ...place } } : i)) };
+    }
+    case 'instance.remove':
+      return { ...doc, instances: (doc.instances ?? []).filter((i) => i.id !== command.id) };
     case 'character.remove':
       return { ...doc, characters: doc.characters.filter((c) => c.id !== command.id) };
     case 'event.set': {

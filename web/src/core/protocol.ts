@@ -4,6 +4,7 @@ import type { LsiClass, PinType } from './circuit/classes';
 import type { Change, Circuit } from './circuit/form';
 import type { ValuesEvent } from './circuit/live';
 import type { Command, ScenarioDocument } from './document';
+import type { Material } from './look';
 import type { InputMessage } from './play_controls';
 import type { MeshFacts } from './props';
 
@@ -35,6 +36,8 @@ export interface CharacterInfo {
   links: number | string[];
   /** Speed of the character at the end of its track, m/s. */
   end_speed?: number;
+  /** Colours and materials of a character of an instance, which the document does not list. Absent: a character of the document itself. */
+  look?: Material & { color?: string };
 }
 
 export interface ProjectInfo {
@@ -139,6 +142,10 @@ export interface Summary {
 
 export interface DocumentState {
   document: ScenarioDocument;
+  /** Ids of the inner scenarios through which the user came to `document`. Absent in `edited`: unchanged. */
+  open?: string[];
+  /** Name of the outermost scenario. */
+  outermost?: string;
   revision: number;
   can_undo: boolean;
   can_redo: boolean;
@@ -201,7 +208,9 @@ export type ServiceEvent =
 
 export type Request =
   | { op: 'hello' }
-  | { op: 'command'; command: Command }
+  /** @param scenario id of the inner scenario in which the command acts; absent: the document */
+  | { op: 'command'; command: Command; scenario?: string }
+  | { op: 'enter'; path: readonly string[] }
   | { op: 'undo' | 'redo' | 'pause' | 'restart' | 'release' }
   | { op: 'save'; path?: string; overwrite?: boolean }
   | { op: 'open'; path: string }

@@ -121,7 +121,8 @@ export class Session {
     this.expected_edit = command.type === 'circuit.edit' && base === document ? { from: revision, changes: JSON.stringify(command.changes), document: shown } : null;
     this.pending_edits++;
     try {
-      await this.client.request({ op: 'command', command });
+      const scenario = this.state.open.at(-1);
+      await this.client.request({ op: 'command', command, ...(scenario === undefined ? {} : { scenario }) });
       this.pending_edits--;
       if (this.state.revision !== revision) this.drop_preview();
       else this.drop_preview_soon();
@@ -329,6 +330,17 @@ export class Session {
     if (request) this.client.request(request).catch(() => this.watches.forget());
   }
 
+  // ---- nested scenarios ----
+
+  /**
+   * Shows another scenario: the last one of these inner scenarios, or the outermost one.
+   * @param time playhead in that scenario, s
+   */
+  async enter(path: readonly string[], time: number): Promise<void> {
+    this.select({ kind: 'none' });
+    if (await this.request({ op: 'enter', path })) this.seek(time);
+  }
+
   // ---- breakpoints: the service owns the list; each change sends the whole list ----
 
   private set_breakpoints(list: readonly Breakpoint[]): void {
@@ -495,6 +507,8 @@ export class Session {
     this.frames.clear();
     this.set({
       document: state.document,
+      open: state.open ?? this.state.open,
+      outermost: state.outermost ?? this.state.outermost,
       revision: state.revision,
       can_undo: state.can_undo,
       can_redo: state.can_redo,

@@ -1,5 +1,6 @@
 /** The page's state, drawn by React. Frames are not part of it: the viewport reads them from the FrameRing. */
 import type { ScenarioDocument } from './document';
+import { tracks_selection } from './nested';
 import { valid_items, type Item } from './items';
 import { no_key_edits, read_key_edits, type KeyEdits } from './key_edits';
 import type { KeymapName } from './keymap';
@@ -12,6 +13,10 @@ import type { CharacterInfo, LogLine, MechanismData, Problem, ProjectInfo, Pulle
 export type Selection =
   | { kind: 'none' }
   | { kind: 'character'; character: string; link?: number }
+  /** A placed inner scenario. */
+  | { kind: 'instance'; instance: string }
+  /** Two or more tracks: ids of characters and instances. */
+  | { kind: 'tracks'; tracks: readonly string[] }
   | { kind: 'clip'; character: string; clip: string }
   | { kind: 'event'; event: string }
   /** Two or more clips and events. */
@@ -70,6 +75,10 @@ export interface StudioState {
   document: ScenarioDocument | null;
   /** The document to show during a drag or an unanswered edit; null: show `document`. */
   preview: ScenarioDocument | null;
+  /** Ids of the inner scenarios through which the user came to the shown one; empty: the outermost scenario is shown. */
+  open: readonly string[];
+  /** Name of the outermost scenario. */
+  outermost: string;
   revision: number;
   can_undo: boolean;
   can_redo: boolean;
@@ -135,6 +144,8 @@ export const initial_state: StudioState = {
   recent: [],
   document: null,
   preview: null,
+  open: [],
+  outermost: '',
   revision: -1,
   can_undo: false,
   can_redo: false,
@@ -203,6 +214,12 @@ export function valid_selection(selection: Selection, document: ScenarioDocument
   switch (selection.kind) {
     case 'character':
       return document.characters.some((c) => c.id === selection.character) ? selection : none;
+    case 'instance':
+      return document.instances?.some((i) => i.id === selection.instance) ? selection : none;
+    case 'tracks': {
+      const tracks = selection.tracks.filter((t) => document.characters.some((c) => c.id === t) || document.instances?.some((i) => i.id === t));
+      return tracks_selection(document, tracks);
+    }
     case 'clip': {
       const character = document.characters.find((c) => c.id === selection.character);
       if (character?.track.some((k) => k.id === selection.clip)) return selection;

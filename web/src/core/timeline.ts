@@ -65,6 +65,7 @@ export function snap_targets(doc: ScenarioDocument, exclude: string | readonly s
   for (const c of doc.characters) {
     for (const k of c.track) if (!dragged.has(k.id)) times.push(k.start, k.start + k.length);
   }
+  for (const i of doc.instances ?? []) if (!dragged.has(i.id)) times.push(i.start);
   for (const e of doc.events) if (!dragged.has(e.id)) times.push(e.time);
   for (const m of doc.markers ?? []) if (!dragged.has(m.id)) times.push(m.time);
   if (doc.range && !dragged.has('range')) times.push(doc.range.from, doc.range.to);

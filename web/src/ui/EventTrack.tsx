@@ -22,7 +22,7 @@ function link_label(character: string, link: string): string {
 }
 
 export function describe_event(event: ScenarioEvent, doc: ScenarioDocument): string {
-  const name = event.character ? (find_character(doc, event.character)?.name ?? event.character) : '';
+  const name = event.character ? (find_character(doc, event.character)?.name ?? session.state.characters.find((c) => c.id === event.character)?.name ?? event.character) : '';
   if (event.type === 'push') return `push ${name}${event.force ? ` ${format_number(Math.hypot(...event.force), 0)} N` : ''}`.trim();
   if (event.type === 'pull') return `pull ${[name, link_label(event.character ?? '', event.link ?? '').toLowerCase()].filter(Boolean).join(' ')}`;
   if (event.type === 'throw') return `throw ${name}`.trim();

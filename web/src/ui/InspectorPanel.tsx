@@ -6,6 +6,7 @@ import { describe_items, items_span, move_items, type Item } from '../core/items
 import { format_label } from '../core/format';
 import { link_position } from '../core/frames';
 import { describe_entry, format_length, format_mass } from '../core/library/words';
+import { character_choices, find_instance } from '../core/nested';
 import type { LibraryEntry, MechanismData, Vec3 } from '../core/protocol';
 import { shown_document } from '../core/state';
 import { find_variable } from '../core/variables';
@@ -19,6 +20,7 @@ import { CameraFields, ShotFields } from './film/fields';
 import { GroundNotes } from './GroundNotes';
 import { MotionOperations } from './motion/ClipMenu';
 import { GaitFields } from './motion/GaitFields';
+import { InstanceFields, NestedScenarios, TracksFields } from './nested/fields';
 import { JointFields } from './posing/JointFields';
 import { EntryDetails } from './library/EntryDetails';
 import { VariableFields } from './rules/Variables';
@@ -48,6 +50,11 @@ export function InspectorPanel(): ReactElement {
     const character = find_character(doc, selection.character);
     if (character?.prop) body = <PropFields key={character.id} character={character} prop={character.prop} />;
     else if (character) body = <CharacterFields key={character.id} character={character} link={selection.link} doc={doc} posing={posing} />;
+  } else if (selection.kind === 'instance') {
+    const instance = find_instance(doc, selection.instance);
+    if (instance) body = <InstanceFields key={instance.id} instance={instance} doc={doc} />;
+  } else if (selection.kind === 'tracks') {
+    body = <TracksFields tracks={selection.tracks} doc={doc} />;
   } else if (selection.kind === 'event') {
     const event = find_event(doc, selection.event);
     if (event) body = <EventFields key={event.id} event={event} doc={doc} />;
@@ -214,7 +221,8 @@ function VectorFields({ label, value, unit, step, on_commit }: { label: string; 
 
 function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocument }): ReactElement {
   const set = (fields: Partial<Omit<ScenarioEvent, 'id' | 'type'>>): Command => ({ type: 'event.set', id: event.id, event: fields });
-  const character = event.character ? find_character(doc, event.character) : undefined;
+  const played = useStudio((s) => s.characters);
+  const character = event.character ? (find_character(doc, event.character) ?? played.find((c) => c.id === event.character)) : undefined;
   const mechanism = useStudio((s) => (character ? s.mechanisms[character.mechanism] : undefined));
   return (
     <>
@@ -222,7 +230,7 @@ function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocume
         Event <span className="of">{event.type}</span>
       </h3>
       <NumberField label="Time" unit="s" value={event.time} step={0.01} min={0} title="Time in the scenario at which the event starts" on_preview={(v) => preview(v === null ? null : set({ time: v }))} on_commit={(time) => send(set({ time }))} />
-      <ChoiceField label="Character" value={event.character ?? ''} choices={doc.characters.map((c) => [c.id, c.name])} on_commit={(id) => send(set({ character: id }))} />
+      <ChoiceField label="Character" value={event.character ?? ''} choices={character_choices(doc, played)} on_commit={(id) => send(set({ character: id }))} />
       {event.type === 'push' && (
         <>
           <NumberField label="Duration" unit="s" value={event.duration ?? 0.2} step={0.01} min={0.001} title="Time for which the force acts" on_commit={(duration) => send(set({ duration }))} />
@@ -276,17 +284,19 @@ const link_choices = (mechanism: MechanismData): [string, string][] => mechanism
 
 /** What a grab grips, where, and when it opens. */
 function GrabFields({ event, doc, set }: { event: ScenarioEvent; doc: ScenarioDocument; set: (fields: Partial<Omit<ScenarioEvent, 'id' | 'type'>>) => Command }): ReactElement {
-  const other = event.other ? find_character(doc, event.other) : undefined;
+  const played = useStudio((s) => s.characters);
+  const find = (id: string): { id: string; mechanism: string } | undefined => find_character(doc, id) ?? played.find((c) => c.id === id);
+  const other = event.other ? find(event.other) : undefined;
   const mechanism = useStudio((s) => (other ? s.mechanisms[other.mechanism] : undefined));
   const grip = (id: string): void => {
-    const body = id ? find_character(doc, id) : undefined;
+    const body = id ? find(id) : undefined;
     const first = body && session.state.mechanisms[body.mechanism]?.links.find((l) => body.id !== event.character || l.name !== event.link);
     send(set({ other: id, other_link: first?.name ?? '', at: null }));
   };
   return (
     <>
       <h4>Grip</h4>
-      <ChoiceField label="Grips" value={event.other ?? ''} choices={[['', 'the world'], ...doc.characters.map((c): [string, string] => [c.id, c.name])]} title="What the link grips" on_commit={grip} />
+      <ChoiceField label="Grips" value={event.other ?? ''} choices={[['', 'the world'], ...character_choices(doc, played)]} title="What the link grips" on_commit={grip} />
       {mechanism && <ChoiceField label="Its link" value={event.other_link ?? ''} choices={link_choices(mechanism)} on_commit={(other_link) => send(set({ other_link }))} />}
       <ChoiceField
         label="Where"
@@ -359,6 +369,7 @@ function ScenarioFields({ doc }: { doc: ScenarioDocument }): ReactElement {
       <TextField label="Name" value={doc.name} on_commit={(name) => set({ name })} />
       <NumberField label="Duration" unit="s" value={doc.duration} step={0.1} min={0.1} max={3600} title="Length of the scenario" on_preview={(v) => preview(v === null ? null : { type: 'scenario.set', duration: v })} on_commit={(duration) => set({ duration })} />
       <ChoiceField label="Frame rate" value={String(doc.frame_rate)} choices={rates.map((r) => [String(r), `${r} / s`])} title="Frames per second that are recorded and shown" on_commit={(rate) => set({ frame_rate: Number(rate) })} />
+      <NestedScenarios doc={doc} />
       <h4>Physics</h4>
       <ChoiceField label="Step" value={String(doc.step)} choices={[...new Set([0.0005, 0.001, 0.002, 0.004, doc.step])].sort().map((s) => [String(s), `${s * 1000} ms · ${Math.round(1 / s)} Hz`])} title="Time step of the simulation" on_commit={(step) => set({ step: Number(step) })} />
       <NumberField label="Gravity" unit="m/s²" value={-doc.gravity[2]} step={0.01} title="Gravitational acceleration, downwards" on_commit={(g) => set({ gravity: [doc.gravity[0], doc.gravity[1], -g] })} />

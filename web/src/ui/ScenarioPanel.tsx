@@ -3,6 +3,7 @@ import { createPortal } from 'react-dom';
 import { find_marker } from '../core/document';
 import { add_items, items_of, move_items, selection_of, type Item } from '../core/items';
 import { format_ruler, format_time } from '../core/format';
+import { find_instance } from '../core/nested';
 import { fit_view, pan_by, round_to_frame, ruler_steps, time_to_x, x_to_time, zoom_at, type TimeView } from '../core/timeline';
 import { prop_kinds, prop_shapes } from '../core/props';
 import { shown_document } from '../core/state';
@@ -15,6 +16,8 @@ import { Menu } from './Menu';
 import { insert_mesh_file, insert_prop } from './prop_actions';
 import { CameraTrack } from './film/CameraTrack';
 import { EventTrack } from './EventTrack';
+import { Breadcrumb } from './nested/Breadcrumb';
+import { InstanceTrack } from './nested/InstanceTrack';
 import { drop_target, GroupRow, Track, type DropGhost } from './tracks';
 
 /** The scenario panel: ruler, tracks, events and contact bars. Clips and their drags are in tracks.tsx. */
@@ -108,6 +111,12 @@ export function ScenarioPanel(): ReactElement {
     if (!document || event.ctrlKey || event.metaKey) return;
     if (event.altKey) return;
     const by = ((event.key === 'ArrowRight' ? 1 : -1) * (event.shiftKey ? 10 : 1)) / document.frame_rate;
+    const instance = selection.kind === 'instance' ? find_instance(document, selection.instance) : undefined;
+    if (instance) {
+      void session.edit({ type: 'instance.set', id: instance.id, start: Math.max(0, round_to_frame(instance.start + by, document.frame_rate)) });
+      event.preventDefault();
+      return event.stopPropagation();
+    }
     const items = items_of(selection);
     const marker = selection.kind === 'marker' ? find_marker(document, selection.marker) : undefined;
     const command = marker
@@ -215,6 +224,7 @@ export function ScenarioPanel(): ReactElement {
       }}
       onDrop={drop}
     >
+      <Breadcrumb />
       <div className="scenario-head">
         <div className="corner">
           <button type="button" className="quiet" aria-label="Fit" title="Show the whole scenario  (Home)" onClick={fit}>
@@ -253,11 +263,12 @@ export function ScenarioPanel(): ReactElement {
             <Track character={row.character} view={view} on_guide={set_guide} ghost={ghost?.character === row.character.id ? ghost : null} on_ghost={set_ghost} />
           </div>
         ))}
+        {doc.instances?.map((instance) => <InstanceTrack key={instance.id} instance={instance} doc={doc} view={view} on_guide={set_guide} />)}
         <EventTrack doc={doc} view={view} on_guide={set_guide} />
         <CameraTrack doc={doc} view={view} on_guide={set_guide} />
         {marquee && <div className="marquee" style={marquee} />}
-        {doc.characters.length === 0 && <p className="hint lane-hint">To begin, drag a mechanism from the library here or onto the floor.</p>}
-        {doc.characters.length > 0 && doc.characters.every((c) => c.track.length === 0) && <p className="hint lane-hint">Drag a motion from the library onto a track.</p>}
+        {doc.characters.length === 0 && !doc.instances?.length && <p className="hint lane-hint">To begin, drag a mechanism from the library here or onto the floor.</p>}
+        {doc.characters.length > 0 && !doc.instances?.length && doc.characters.every((c) => c.track.length === 0) && <p className="hint lane-hint">Drag a motion from the library onto a track.</p>}
         {ghost && !ghost.character && !ghost.refused && <p className="hint lane-hint drop-hint">Drop to add a new character{session.entry(ghost.entry)?.kind === 'motion' ? ' with this motion' : ''}</p>}
       </div>
       <div className="overlay" aria-hidden="true">

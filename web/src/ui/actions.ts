@@ -1,5 +1,6 @@
 /** All commands of the page: id, label, keys, and the function that runs. */
-import { content_end, find_character, find_clip, find_event, fit_blends, free_name, free_place, track_end, with_room, type Clip, type ClipFields, type Command } from '../core/document';
+import { content_end, find_character, find_clip, find_event, fit_blends, free_name, free_place, track_end, with_room, type Clip, type ClipFields, type Command, type ScenarioDocument, type ScenarioInstance } from '../core/document';
+import { count_instances, find_instance, find_scenario, selected_tracks } from '../core/nested';
 import { insert_time, ripple_remove } from '../core/ripple';
 import { link_position } from '../core/frames';
 import { all_items, duplicate_items, remove_items, selection_of } from '../core/items';
@@ -18,6 +19,7 @@ import { end_tour } from './Tour';
 import { insert_mesh, prop_commands } from './prop_actions';
 import { add_camera, cut_here, key_view, place_camera, toggle_through } from './film/actions';
 import { access, circuit, comparer, page, parts, poser, registry, session } from './app';
+import { duplicate_instance, leave_to, nest_selection, open_instance } from './nested/actions';
 import { add_gait, body_for_gait } from './motion/gait_actions';
 
 const state = (): StudioState => session.state;
@@ -63,9 +65,23 @@ function remove_selection(): void {
   else if (selection.kind === 'clip') void session.edit({ type: 'clip.remove', character: selection.character, id: selection.clip });
   else if (selection.kind === 'event') void session.edit({ type: 'event.remove', id: selection.event });
   else if (selection.kind === 'character') void session.edit({ type: 'character.remove', id: selection.character });
+  else if (selection.kind === 'instance' && document) void remove_instance(document, selection.instance);
+  else if (selection.kind === 'tracks' && document) void session.edit({ type: 'group', label: `Remove ${selection.tracks.length} tracks`, commands: selection.tracks.map((id): Command => ({ type: find_instance(document, id) ? 'instance.remove' : 'character.remove', id })) });
   else if (selection.kind === 'rule') void session.edit({ type: 'rule.remove', id: selection.rule });
   else if (selection.kind === 'variable') void session.edit({ type: 'variable.remove', id: selection.variable });
   else if (selection.kind === 'circuit') circuit.remove();
+}
+
+/** Removes an instance. The inner scenario stays in the project, and a message names the place. */
+async function remove_instance(document: ScenarioDocument, id: string): Promise<void> {
+  const scenario = find_instance(document, id)?.scenario ?? '';
+  const last = count_instances(document, scenario, []) === 1;
+  if ((await session.edit({ type: 'instance.remove', id })) && last) session.notify(`“${find_scenario(document, scenario)?.name ?? scenario}” is not placed any more. It stays in the list of nested scenarios: deselect all to see it in the inspector.`);
+}
+
+function selected_instance(): ScenarioInstance | null {
+  const { selection, document } = state();
+  return (document && selection.kind === 'instance' && find_instance(document, selection.instance)) || null;
 }
 
 function add_copy(character: string, clip: Clip, start: number): Promise<boolean> | undefined {
@@ -109,6 +125,9 @@ function duplicate_selection(): Promise<boolean> | undefined {
   if (selection.kind === 'items') {
     const made = duplicate_items(document, selection.items, (prefix) => session.fresh_id(prefix));
     return made ? edit_and_select(made.command, selection_of(made.copies)) : undefined;
+  } else if (selection.kind === 'instance') {
+    const instance = find_instance(document, selection.instance);
+    return instance && duplicate_instance(instance);
   } else if (selection.kind === 'event') {
     const event = find_event(document, selection.event);
     if (!event) return undefined;
@@ -443,6 +462,10 @@ const commands: AppCommand[] = [
   { id: 'edit.undo', repeats: true, label: 'Undo', group: 'Edit', keys: ['Ctrl+Z'], enabled: () => state().can_undo, run: () => session.undo() },
   { id: 'edit.redo', repeats: true, label: 'Redo', group: 'Edit', keys: ['Ctrl+Shift+Z', 'Ctrl+Y'], enabled: () => state().can_redo, run: () => session.redo() },
   { id: 'edit.remove', label: 'Delete selection', group: 'Edit', keys: ['Delete', 'Backspace'], blender: ['X'], enabled: () => !['none', 'entry'].includes(state().selection.kind), run: remove_selection },
+  { id: 'nest.nest', label: 'Nest the selected tracks in a scenario', group: 'Edit', keys: ['Shift+N'], enabled: () => selected_tracks(state().selection).length > 0, run: () => void nest_selection() },
+  { id: 'nest.open', label: 'Open the selected nested scenario', group: 'Edit', enabled: () => selected_instance() !== null, run: () => { const found = selected_instance(); if (found) open_instance(found); } },
+  { id: 'nest.unnest', label: 'Unnest: return the tracks of the nested scenario', group: 'Edit', enabled: () => selected_instance() !== null, run: () => { const found = selected_instance(); if (found) void session.edit({ type: 'instance.unnest', id: found.id }); } },
+  { id: 'nest.leave', label: 'Leave the nested scenario', group: 'Edit', enabled: () => state().open.length > 0, run: () => leave_to(state().open.length - 1) },
   { id: 'edit.duplicate', label: 'Duplicate', group: 'Edit', keys: ['Ctrl+D'], blender: ['Shift+D'], enabled: () => !['none', 'entry'].includes(state().selection.kind), run: duplicate },
   { id: 'edit.select_all', label: 'Select all clips and events', group: 'Edit', keys: ['Ctrl+A'], enabled: has_document, run: () => { const { document } = state(); if (document) session.select(selection_of(all_items(document))); } },
   { id: 'edit.copy', label: 'Copy clip', group: 'Edit', keys: ['Ctrl+C'], enabled: () => selected_clip() !== null, run: () => { copied = selected_clip(); } },
@@ -560,6 +583,7 @@ const commands: AppCommand[] = [
       if (page.getState().tour !== null) return end_tour();
       if (parts.pointer?.abandon() || poser.restore()) return;
       if (poser.state.on && (state().selection.kind === 'character' || state().selection.kind === 'none')) return poser.switch_on(false);
+      if (state().selection.kind === 'none' && state().open.length > 0) return leave_to(state().open.length - 1);
       session.select({ kind: 'none' });
     },
   },

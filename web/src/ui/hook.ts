@@ -9,6 +9,8 @@ export interface PageHook {
   readonly pictures: number;
   readonly frames_received: number;
   document(): unknown;
+  /** Ids of the inner scenarios through which the user came to the shown one. */
+  open(): readonly string[];
   transport(): unknown;
   selection(): unknown;
   summary(): unknown;
@@ -79,6 +81,7 @@ export function expose_hook(): void {
       return session.frames.received;
     },
     document: () => structuredClone(session.state.document),
+    open: () => [...session.state.open],
     transport: () => structuredClone(session.state.transport),
     selection: () => structuredClone(session.state.selection),
     summary: () => structuredClone(session.state.summary),

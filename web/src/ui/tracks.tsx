@@ -1,5 +1,5 @@
 /** Tracks of characters in the timeline, with their clips. */
-import { useLayoutEffect, useMemo, useRef, type ReactElement } from 'react';
+import { useLayoutEffect, useMemo, useRef, useState, type ReactElement } from 'react';
 import { CharacterState } from '../core/frames';
 import { apply_command, blend_spans, find_character, fit_blends, is_left_out, type Character, type Clip, type Command, type ScenarioDocument } from '../core/document';
 import { format_number, format_time } from '../core/format';
@@ -7,12 +7,14 @@ import { ripple_clip } from '../core/ripple';
 import { index_beside } from '../core/track_groups';
 import { is_selected, items_of, type Item } from '../core/items';
 import { changed_fields, drag_clip, ends_moving, loop_to_end, move_clip, snap_delta, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
+import { selected_tracks, toggle_track } from '../core/nested';
 import { shown_document } from '../core/state';
 import { describe_span } from '../core/measures';
 import { band_gradient } from '../core/motion/desk';
 import { layer_times } from '../core/posing/keys';
 import { desk, page, plain_canvas, session, useDesk, usePage, useStudio } from './app';
 import { Icon } from './icons';
+import { menu_point, TrackMenu } from './nested/InstanceTrack';
 import { drag_together, press_item, select_focused, start_drag, snap_rules } from './track_drag';
 
 const edge_px = 7; // width of the zone at a clip's edge in which a drag trims the clip
@@ -182,7 +184,8 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
   const duration = useStudio((s) => shown_document(s)?.duration ?? 0);
   const unfinished = ends_moving(character, end_speed, duration);
   const loop = unfinished && loop_to_end(character, (motion) => session.entry(motion)?.cyclic ?? false, duration);
-  const chosen = selection.kind === 'character' && selection.character === character.id;
+  const [menu, set_menu] = useState<{ x: number; y: number } | null>(null);
+  const chosen = (selection.kind === 'character' && selection.character === character.id) || (selection.kind === 'tracks' && selection.tracks.includes(character.id));
   const active = chosen || items_of(selection).some((item) => item.kind === 'clip' && item.character === character.id);
   const left_out = useStudio((s) => {
     const doc = shown_document(s);
@@ -196,8 +199,15 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
         type="button"
         className="track-name"
         aria-pressed={chosen}
-        title={`Select ${character.name}\nDrag up or down, or press Alt with an arrow key, to change the order of the tracks`}
-        onClick={() => session.select({ kind: 'character', character: character.id })}
+        title={`Select ${character.name}\nDrag up or down, or press Alt with an arrow key, to change the order of the tracks. Ctrl-click selects several tracks`}
+        onClick={(e) => {
+          const { document: doc, selection: now } = session.state;
+          session.select(doc && (e.ctrlKey || e.metaKey || e.shiftKey) ? toggle_track(doc, now, character.id) : { kind: 'character', character: character.id });
+        }}
+        onContextMenu={(e) => {
+          if (!selected_tracks(session.state.selection).includes(character.id)) session.select({ kind: 'character', character: character.id });
+          set_menu(menu_point(e));
+        }}
         onPointerDown={(event) => drag_track(event, character.id)}
         onKeyDown={(event) => {
           if (!event.altKey || (event.key !== 'ArrowUp' && event.key !== 'ArrowDown')) return;
@@ -212,6 +222,7 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
         {character.control.mode === 'passive' && state !== CharacterState.released && <span className="passive">{character.prop ? (character.prop.mass > 0 ? 'prop' : 'fixed') : 'passive'}</span>}
       </button>
       <TrackSwitches character={character} />
+      {menu && <TrackMenu at={menu} close={() => set_menu(null)} />}
       </div>
       <div className="lane">
         <BadMarks character={character.id} view={view} />

@@ -1,7 +1,9 @@
 /** The characters of the document as drawn: made and removed with the document, posed from frames, and highlighted. */
 import * as THREE from 'three';
-import { find_character, is_left_out } from '../core/document';
+import { is_left_out } from '../core/document';
 import { format_label } from '../core/format';
+import type { Material } from '../core/look';
+import { instance_of } from '../core/nested';
 import { state_of, type CharacterState, type Frame } from '../core/frames';
 import type { MechanismData } from '../core/protocol';
 import { shown_document, type StudioState } from '../core/state';
@@ -60,9 +62,18 @@ export class DrawnCharacters {
     const state = this.state();
     const doc = shown_document(state);
     const wanted = new Map<string, MechanismData>();
+    const looks = new Map<string, Material & { color?: string }>();
     for (const character of doc?.characters ?? []) {
       const mechanism = state.mechanisms[character.mechanism];
-      if (mechanism && doc && !is_left_out(doc, character)) wanted.set(character.id, mechanism);
+      if (!mechanism || !doc || is_left_out(doc, character)) continue;
+      wanted.set(character.id, mechanism);
+      looks.set(character.id, character);
+    }
+    for (const { id, mechanism: name, look } of state.characters) {
+      const mechanism = state.mechanisms[name];
+      if (!mechanism || !look || !doc?.instances?.some((i) => i.id === instance_of(id))) continue;
+      wanted.set(id, mechanism);
+      looks.set(id, look);
     }
     for (const [id, entry] of this.drawn) {
       if (wanted.get(id) === entry.member.mechanism) continue;
@@ -70,11 +81,11 @@ export class DrawnCharacters {
       this.drawn.delete(id);
     }
     for (const [id, mechanism] of wanted) {
-      const character = find_character(doc!, id)!;
-      const color = character.color || '#e6e6ea';
+      const look = looks.get(id)!;
+      const color = look.color || '#e6e6ea';
       const entry = this.drawn.get(id) ?? this.add(id, mechanism, color);
       this.drawn.set(id, entry);
-      this.crowd.set_look(entry.member, color, character, character.metalness ? environment : null);
+      this.crowd.set_look(entry.member, color, look, look.metalness ? environment : null);
     }
     this.emphasise();
   }
@@ -123,7 +134,9 @@ export class DrawnCharacters {
     for (const [id, entry] of this.drawn) {
       entry.member.mechanism.links.forEach((_link, link) => {
         const pulled = this.pulled?.character === id && this.pulled.link === link;
-        const selected = selection.kind === 'character' && selection.character === id && selection.link === link;
+        const selected =
+          (selection.kind === 'character' && selection.character === id && selection.link === link) ||
+          (selection.kind === 'instance' && instance_of(id) === selection.instance);
         const hovered = this.hovered?.character === id && this.hovered.link === link;
         entry.member.emphasise(link, pulled ? 'pulled' : hovered ? 'hover' : selected ? 'selected' : 'none');
       });

@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { find_character } from '../core/document';
 import { pointer_action } from '../core/keymap';
+import { find_instance, instance_of, selection_of_character } from '../core/nested';
 import type { Vec3 } from '../core/protocol';
 import { selected_character } from '../core/state';
 import type { LinkTag } from './character_view';
@@ -61,7 +62,7 @@ export class PointerControl {
     if (!gesture) return false;
     this.gesture = null;
     if (gesture.kind === 'pull') this.release();
-    if (gesture.kind === 'place') this.viewport.show_offset(gesture.character, new THREE.Vector3());
+    if (gesture.kind === 'place') this.show_offset(gesture.character, new THREE.Vector3());
     if (gesture.kind === 'pose') this.posing?.cancel();
     return true;
   }
@@ -95,7 +96,7 @@ export class PointerControl {
     if (local) {
       this.gesture = { kind: 'pull', tag, local, plane: viewport.facing_plane(pick.point) };
       session.grab(tag.character, tag.link, to_vec3(local), to_vec3(pick.point));
-      session.select({ kind: 'character', character: tag.character, link: tag.link });
+      session.select(selection_of_character(tag.character, tag.link));
       viewport.show_pull({ tag, local, target: pick.point.clone() });
       viewport.canvas.style.cursor = 'grabbing';
       return;
@@ -158,7 +159,7 @@ export class PointerControl {
       const character = selected_character(session.state);
       if (character && typeof link === 'number') session.select({ kind: 'character', character, link });
     } else if (gesture.kind === 'press' && !this.moved) {
-      session.select({ kind: 'character', character: gesture.tag.character, link: gesture.tag.link });
+      session.select(selection_of_character(gesture.tag.character, gesture.tag.link));
     } else if ((gesture.kind === 'orbit' || gesture.kind === 'pan') && gesture.kind === 'orbit' && gesture.empty && !this.moved) {
       session.select({ kind: 'none' });
     }
@@ -229,7 +230,9 @@ export class PointerControl {
   private begin_place(tag: LinkTag, point: THREE.Vector3): void {
     const { viewport } = this;
     const { state } = viewport.session;
-    if (state.transport.mode !== 'edit' || selected_character(state) !== tag.character || this.posing?.on) {
+    const { selection } = state;
+    const selected = selection.kind === 'instance' ? selection.instance === instance_of(tag.character) : selected_character(state) === tag.character;
+    if (state.transport.mode !== 'edit' || !selected || this.posing?.on) {
       this.gesture = { kind: 'orbit', empty: false };
       return;
     }
@@ -244,20 +247,30 @@ export class PointerControl {
     const step = event.ctrlKey || event.metaKey ? 0.5 : event.shiftKey ? 0.001 : 0.01;
     gesture.delta.set(Math.round((at.x - gesture.from.x) / step) * step, Math.round((at.y - gesture.from.y) / step) * step, 0);
     if (gesture.delta.length() > 200) gesture.delta.setLength(200);
-    this.viewport.show_offset(gesture.character, gesture.delta);
+    this.show_offset(gesture.character, gesture.delta);
+  }
+
+  /** Draws a character, or all characters of its instance, displaced by `offset` (m). */
+  private show_offset(character: string, offset: THREE.Vector3): void {
+    const instance = instance_of(character);
+    const { characters } = this.viewport.session.state;
+    const moved = instance === null ? [character] : characters.map((c) => c.id).filter((id) => instance_of(id) === instance);
+    for (const id of moved) this.viewport.show_offset(id, offset);
   }
 
   private end_place(gesture: Extract<Gesture, { kind: 'place' }>): void {
     const { viewport } = this;
     const { session } = viewport;
     viewport.canvas.style.cursor = 'default';
-    const back = (): void => viewport.show_offset(gesture.character, new THREE.Vector3());
-    const character = session.state.document && find_character(session.state.document, gesture.character);
-    if (!character || gesture.delta.lengthSq() === 0) return back();
+    const back = (): void => this.show_offset(gesture.character, new THREE.Vector3());
+    const { document } = session.state;
+    const instance = instance_of(gesture.character);
+    const moved = document && (instance === null ? find_character(document, gesture.character) : find_instance(document, instance));
+    if (!moved || gesture.delta.lengthSq() === 0) return back();
     const round = (value: number): number => Math.round(value * 1000) / 1000;
-    const place = { x: round(character.place.x + gesture.delta.x), y: round(character.place.y + gesture.delta.y) };
+    const place = { x: round(moved.place.x + gesture.delta.x), y: round(moved.place.y + gesture.delta.y) };
     const received = session.frames.received;
-    void session.edit({ type: 'character.set', id: character.id, place }).then((ok) => {
+    void session.edit({ type: instance === null ? 'character.set' : 'instance.set', id: moved.id, place }).then((ok) => {
       if (!ok || session.frames.received > received) return back();
       const stop = session.frames.on_frame(() => {
         stop();

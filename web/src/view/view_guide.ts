@@ -3,6 +3,7 @@ import * as THREE from 'three';
 import { shot_at, view_of, type FilmCamera } from '../core/film';
 import { centre_of_mass, type Frame } from '../core/frames';
 import type { Session } from '../core/session';
+import { instance_of } from '../core/nested';
 import { selected_character, shown_document } from '../core/state';
 import type { CameraRig } from './camera';
 import type { DrawnCharacters } from './drawn_characters';
@@ -35,8 +36,10 @@ export class ViewGuide {
 
   /** Moves the camera so that the selected character fills the view; without a selection, all characters. */
   frame_selection(): void {
+    const { selection, characters } = this.session.state;
     const selected = selected_character(this.session.state);
-    const spheres = selected === null ? [] : this.drawn.spheres(selected);
+    const instance = selection.kind === 'instance' ? characters.map((c) => c.id).filter((id) => instance_of(id) === selection.instance) : [];
+    const spheres = (selected === null ? instance : [selected]).flatMap((id) => this.drawn.spheres(id));
     this.rig.frame(spheres.length > 0 ? spheres : this.drawn.spheres(null));
   }
 
@@ -64,7 +67,7 @@ export class ViewGuide {
 
   /** Whether all characters of the document are drawn where `frame` has them. A character that is just added is in no frame yet. */
   private all_placed(frame: Frame | null): boolean {
-    const count = this.session.state.document?.characters.length ?? 0;
+    const count = this.session.state.characters.length;
     return frame !== null && Math.min(this.drawn.count, frame.characters.length) >= count;
   }
 

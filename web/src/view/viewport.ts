@@ -259,7 +259,7 @@ export class Viewport {
     if (!before || state.document !== before.document || state.preview !== before.preview || state.mechanisms !== before.mechanisms || state.theme !== before.theme)
       this.drawn.sync(this.stage.environment);
     if (!before || state.selection !== before.selection) this.drawn.emphasise();
-    if (before && state.opened !== before.opened) this.guide.begin();
+    if (before && (state.opened !== before.opened || state.open.join('/') !== before.open.join('/'))) this.guide.begin();
     this.rig.use_perspective = state.view.perspective;
     this.invalidate();
   }
