@@ -67,6 +67,27 @@ TEST(Gallery, BodiesWalkAlongTheirPaths) {
   }
 }
 
+// The duet is placed three times: each pair walks the same way, later and elsewhere. The second one is turned by half a turn.
+TEST(Gallery, DuetWalksInThreePlaces) {
+  content::Player player = play("duet");
+  ASSERT_EQ(player.content().characters.size(), 6u);
+  EXPECT_EQ(player.content().characters[2].id, "duet.2/blue");
+  run(player, 1.4);
+  EXPECT_NEAR(player.q(2)[0], 4.5, 0.1) << "still stands at its begin";
+  run(player, 3.2);
+  const double first = player.q(0)[0];
+  EXPECT_GT(first, 1) << "walks";
+  run(player, 4.7);
+  EXPECT_NEAR(player.q(2)[0], 4.5 - first, 0.2) << "1.5 s later, in the opposite direction";
+  run(player, 11.5);
+  constexpr double ends[6][2] = {{4, 0.6}, {4, -0.6}, {0.5, 3.4}, {0.5, 4.6}, {4, -2.9}, {4, -4.1}};
+  for (int c = 0; c < 6; ++c) {
+    EXPECT_NEAR(player.q(c)[0], ends[c][0], 0.5) << c;
+    EXPECT_NEAR(player.q(c)[1], ends[c][1], 0.5) << c;
+    EXPECT_GT(player.q(c)[2], 0.8) << c;
+  }
+}
+
 // The published angle of K1 after 0.03 s is 15.81077 rad (IVP test set, problem Andrews). The content is 120 times slower, so its step of
 // 0.5 ms corresponds to 4.2 us. The error of the method is of first order: 0.19 rad with twice the step, 0.048 rad with half of it.
 TEST(Gallery, SqueezerTurnsAsPublished) {

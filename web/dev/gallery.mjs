@@ -7,7 +7,7 @@ import { start_service } from '../e2e/service.mjs';
 
 /** Time (s) of the picture of each content; 0: before it is simulated. */
 const times = {
-  empty: 0, park: 3.2, 'push-test': 5.25, bar: 10, cyclist: 5, 'box-by-two': 5.3, hill: 5, hills: 4, rider: 1.2, riding: 3, jansen: 1, andrews: 3.2, 'five-bar': 1, band: 0.3, retargeting: 1.2, doll: 2.2, paths: 4.5, natural: 1.5, 'own-lsi': 4.3, fmu: 3.4, game: 0.3,
+  empty: 0, park: 3.2, 'push-test': 5.25, bar: 10, cyclist: 5, 'box-by-two': 5.3, hill: 5, hills: 4, rider: 1.2, riding: 3, jansen: 1, andrews: 3.2, 'five-bar': 1, band: 0.3, duet: 5, retargeting: 1.2, doll: 2.2, paths: 4.5, natural: 1.5, 'own-lsi': 4.3, fmu: 3.4, game: 0.3,
   'rag-dolls': 0.7, dominoes: 1.6, tower: 1.2, chain: 1.1,
 };
 /** How often the camera moves nearer than the view of all characters. */

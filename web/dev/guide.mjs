@@ -108,6 +108,31 @@ try {
     await page.waitForTimeout(1000);
   }
 
+  // a nested scenario, three times, and without it again
+  if (wanted.length === 0 || wanted.includes('nested')) {
+    const tracks = page.locator('.track[data-character] .track-name');
+    await tracks.nth(0).click();
+    await tracks.nth(1).click({ modifiers: ['Control'] });
+    await blur();
+    await page.keyboard.press('Shift+N');
+    await page.locator('.clip.nested').waitFor();
+    for (const [start, y] of [[1, -2.5], [2, 3]]) {
+      await blur();
+      const count = await page.locator('.clip.nested').count();
+      await page.keyboard.press('Control+d');
+      await page.waitForFunction((n) => document.querySelectorAll('.clip.nested').length > n, count);
+      for (const [label, value] of [['Start', start], ['Y', y]]) await page.locator('.inspector').getByLabel(label, { exact: true }).fill(String(value)).then(() => page.keyboard.press('Enter')).then(() => page.waitForTimeout(400));
+    }
+    await blur();
+    await page.keyboard.press('Home');
+    await page.keyboard.press('a');
+    await page.waitForTimeout(2500);
+    await picture('nested');
+    await undo_while('window.ugoki.document().scenarios !== undefined');
+    await page.keyboard.press('a');
+    await page.waitForTimeout(1000);
+  }
+
   if (wanted.length === 0 || wanted.includes('terrain')) {
     await page.getByRole('button', { name: '+ Prop' }).click();
     await page.getByRole('menuitem', { name: 'Terrain', exact: true }).click();

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "ugoki/content/flatten.h"
 #include "ugoki/content/gait_recipe_json.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/intake/intake.h"
@@ -348,11 +349,11 @@ Result<content::ContentText> make_content(std::string_view text, std::string_vie
     if (Result<MotionPtr> made = recipes.motion(id); !made) return fail(std::move(made.error()));
     return {};
   };
-  for (content::ScenarioCharacter& c : content->scenario.characters) {
-    if (c.prop) continue;  // its mechanism follows from the scenario
-    if (Result<void> made = mechanism(c.mechanism); !made) return fail(std::move(made.error()));
+  const auto character = [&](content::ScenarioCharacter& c) -> Result<void> {
+    if (c.prop) return {};  // its mechanism follows from the scenario
+    if (Result<void> made = mechanism(c.mechanism); !made) return made;
     for (content::ScenarioClip& clip : c.track) {
-      if (Result<void> made = motion(clip.motion); !made) return fail(std::move(made.error()));
+      if (Result<void> made = motion(clip.motion); !made) return made;
       const content::GaitRecipe* gait = recipes.gait_of(clip.motion);
       if (gait == nullptr) continue;
       if (!clip.gait) clip.gait = *gait;  // the clip can be changed in the inspector
@@ -360,10 +361,18 @@ Result<content::ContentText> make_content(std::string_view text, std::string_vie
       if (!clip.loop && clip.speed > 0)
         clip.length = std::min(clip.length, (recipes.motion(clip.motion).value()->duration() - clip.offset) / clip.speed);
     }
-  }
-  for (const content::Rule& rule : content->scenario.rules)
-    if (rule.action.type == content::ActionType::play)
-      if (Result<void> made = motion(rule.action.motion); !made) return fail(std::move(made.error()));
+    return {};
+  };
+  Error problems;
+  const auto take = [&](Result<void> made) {
+    if (!made && problems.empty()) problems = std::move(made.error());
+  };
+  content::for_each_scenario(content->scenario, [&](content::Scenario& s) {
+    for (content::ScenarioCharacter& c : s.characters) take(character(c));
+    for (const content::Rule& rule : s.rules)
+      if (rule.action.type == content::ActionType::play) take(motion(rule.action.motion));
+  });
+  if (!problems.empty()) return fail(std::move(problems));
   for (const char* list : {"mechanisms", "motions"})  // also those that no character uses yet
     if (json->contains(list) && (*json)[list].is_object())
       for (const auto& [id, recipe] : (*json)[list].items())
