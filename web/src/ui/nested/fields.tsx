@@ -87,9 +87,11 @@ export function NestedScenarios({ doc }: { doc: ScenarioDocument }): ReactElemen
           return (
             <li key={s.id}>
               <span className="nested-name">{s.name} <span className="of">{placed}</span></span>
+              <span className="actions">
               <button type="button" aria-label={`Open ${s.name}`} onClick={() => open_scenario(s.id)}>Open</button>
               <button type="button" aria-label={`Place ${s.name}`} title="Place the scenario at the playhead" onClick={() => place_scenario(s.id)}>Place</button>
               {count === 0 && open.length === 0 && <button type="button" aria-label={`Delete ${s.name}`} title="Remove the scenario with its characters from the project" onClick={() => send({ type: 'scenario.remove', id: s.id })}>Delete</button>}
+              </span>
             </li>
           );
         })}
