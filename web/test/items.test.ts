@@ -125,9 +125,10 @@ describe('the gallery', () => {
     for (const entry of gallery) {
       if (entry.id !== 'empty') expect(pictures, entry.id).toContain(`../public/gallery/${entry.id}.webp`);
       if (typeof entry.from !== 'function') continue;
-      const { scenario } = (await entry.from()) as { scenario: { version: number; characters: object[] } };
-      expect(scenario.version).toBe(1);
-      expect(scenario.characters.length, entry.id).toBeGreaterThan(0);
+      const { scenario } = (await entry.from()) as { scenario: { version: number; characters: object[]; scenarios?: { characters: object[] }[] } };
+      expect(scenario.version, entry.id).toBe(scenario.scenarios ? 2 : 1);
+      const characters = [scenario, ...(scenario.scenarios ?? [])].flatMap((s) => s.characters);
+      expect(characters.length, entry.id).toBeGreaterThan(0);
     }
   });
 });
