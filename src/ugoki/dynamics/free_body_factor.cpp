@@ -15,7 +15,9 @@ struct FourVec {
   Four x, y, z;
 };
 
-FourVec lanes_of(const Vec3& a, const Vec3& b, const Vec3& c) { return {{a.x, b.x, c.x, 0}, {a.y, b.y, c.y, 0}, {a.z, b.z, c.z, 0}}; }
+FourVec lanes_of(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return {Four{a.x, b.x, c.x, 0}, Four{a.y, b.y, c.y, 0}, Four{a.z, b.z, c.z, 0}};
+}
 
 /// R^T a.
 FourVec transpose_times(const Mat3& R, const FourVec& a) {
