@@ -17,6 +17,7 @@ inline int shared_length(const RowSegment& x, const RowSegment& y) {
 }
 
 inline const RowLanes& lanes_at(const double* y) { return *reinterpret_cast<const RowLanes*>(y); }
+inline RowLanes& lanes_at(double* y) { return *reinterpret_cast<RowLanes*>(y); }
 
 void make_matrix(const MatrixArguments& m) {
   for (int i = 0; i < m.count; ++i) {
@@ -60,12 +61,19 @@ void eliminate(double* A, int n, int width, double* inverse) {
     const double entry = A[k * width + k];
     inverse[k] = entry > dependent * inverse[k] ? 1 / entry : 0;
   };
+  // First entry of row i to change. Entries before the diagonal are not used: whole registers that end with the row may cover some.
+  const auto begin_of = [&](int i) {
+    const int begin = width - ((width - i + 3) & ~3);
+    return begin < 0 ? i : begin;
+  };
   // Subtracts factor * row k from row i.
   const auto subtract = [&](int k, int i, double factor) {
     if (factor == 0) return;
     const double* const row = A + k * width;
     double* const other = A + i * width;
-    for (int j = i; j < width; ++j) other[j] -= factor * row[j];
+    int j = begin_of(i);
+    for (; j + 4 <= width; j += 4) lanes_at(other + j) -= factor * lanes_at(row + j);
+    for (; j < width; ++j) other[j] -= factor * row[j];
   };
   // Two rows at once: each entry below them is read and written once for both.
   int k = 0;
@@ -82,19 +90,36 @@ void eliminate(double* A, int n, int width, double* inverse) {
         continue;
       }
       double* const other = A + i * width;
-      for (int j = i; j < width; ++j) other[j] = (other[j] - a * first[j]) - b * second[j];
+      int j = begin_of(i);
+      for (; j + 4 <= width; j += 4) lanes_at(other + j) = (lanes_at(other + j) - a * lanes_at(first + j)) - b * lanes_at(second + j);
+      for (; j < width; ++j) other[j] = (other[j] - a * first[j]) - b * second[j];
     }
   }
   if (k < n) find_pivot(k);
 }
 
 void add_product(const double* B, int stride, int n, const double* p, double* u) {
+  // Four columns at once, added in order: each entry of u is read and written once for all.
+  const double* column[4];
+  double factor[4];
+  int held = 0;
   for (int r = 0; r < n; ++r) {
-    const double factor = p[r];
-    if (factor == 0) continue;
-    const double* const column = B + r * stride;
-    for (int k = 0; k < n; ++k) u[k] += column[k] * factor;
+    if (p[r] == 0) continue;
+    column[held] = B + r * stride;
+    factor[held] = p[r];
+    if (++held < 4) continue;
+    held = 0;
+    int k = 0;
+    for (; k + 4 <= n; k += 4) {
+      RowLanes& to = lanes_at(u + k);
+      to = (((to + lanes_at(column[0] + k) * factor[0]) + lanes_at(column[1] + k) * factor[1]) + lanes_at(column[2] + k) * factor[2]) +
+           lanes_at(column[3] + k) * factor[3];
+    }
+    for (; k < n; ++k)
+      u[k] = (((u[k] + column[0][k] * factor[0]) + column[1][k] * factor[1]) + column[2][k] * factor[2]) + column[3][k] * factor[3];
   }
+  for (int h = 0; h < held; ++h)
+    for (int k = 0; k < n; ++k) u[k] += column[h][k] * factor[h];
 }
 
 void add_to_envelope(const SortedBlock& s, const double* G, const EnvelopeArguments& A) {

@@ -32,8 +32,12 @@ Quat exp_map(const Vec3& r) {
   // For small angles a, sin(a/2) / a and cos(a/2) are computed from their series, because the quotient is 0/0 at a = 0. The omitted terms
   // are below 1e-28.
   const double a2 = angle * angle;
-  const double f = angle > 1e-4 ? sin(0.5 * angle) / angle : 0.5 - a2 / 48.0 + a2 * a2 / 3840.0;
-  const double w = angle > 1e-4 ? cos(0.5 * angle) : 1.0 - a2 / 8.0 + a2 * a2 / 384.0;
+  if (angle > 1e-4) {
+    const SinCos half = sin_cos(0.5 * angle);
+    const double f = half.sin / angle;
+    return normalized(Quat{half.cos, r.x * f, r.y * f, r.z * f});
+  }
+  const double f = 0.5 - a2 / 48.0 + a2 * a2 / 3840.0, w = 1.0 - a2 / 8.0 + a2 * a2 / 384.0;
   return normalized(Quat{w, r.x * f, r.y * f, r.z * f});
 }
 
