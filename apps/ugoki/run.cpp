@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "output.h"
 #include "output_files.h"
@@ -10,6 +11,7 @@
 #include "sources.h"
 #include "ugoki/base/hash.h"
 #include "ugoki/base/number.h"
+#include "ugoki/correction/correct.h"
 #include "ugoki/files/files.h"
 #include "verb.h"
 
@@ -27,16 +29,17 @@ struct Options {
   std::string frames, executable, inputs;
   std::uint64_t steps = 0;
   int threads = 1;
-  bool rate_given = false, json = false;
+  bool rate_given = false, correct = false, json = false;
 };
 
 /// Executable data to run, with name, frame count and body height from their source.
 struct Content {
   std::string name;
   std::vector<std::byte> ugx;
-  int frames = 0;                   ///< recorded frames of a clip; 0: use the number of display frames
-  double height = 0;                ///< height of the recorded person of a clip, m; 0: not known
-  std::vector<std::string> checks;  ///< sentences: what dynamics cannot follow in a measured motion
+  int frames = 0;                                          ///< recorded frames of a clip; 0: use the number of display frames
+  double height = 0;                                       ///< height of the recorded person of a clip, m; 0: not known
+  std::vector<std::string> checks;                         ///< sentences: what dynamics cannot follow in a measured motion
+  std::optional<correction::CorrectionReport> correction;  ///< with --correct
 };
 
 /// Whether a run follows its motion so badly that the user needs the reason.
@@ -87,13 +90,25 @@ Result<void> apply_options(content::Scenario& s, const content::Resources& resou
   return {};
 }
 
+/// Replaces the motion of a clip by a near one that obeys the laws of mechanics.
+Result<correction::CorrectionReport> correct_clip(SceneSource& clip) {
+  MotionPtr& motion = clip.resources.motions.at("motion");
+  correction::CorrectionReport report;
+  Result<Motion> made = correction::correct_motion(*clip.resources.mechanisms.at("mechanism"), *motion, {}, &report);
+  if (!made) return fail(std::move(made.error()));
+  clip.frames = made->frames;
+  clip.scenario.duration = clip.scenario.characters[0].track[0].length = std::max(0.001, made->duration());
+  motion = std::make_shared<const Motion>(std::move(*made));
+  return report;
+}
+
 Result<Content> load(const Options& options) {
   const Result<TargetKind> kind = kind_of(options.target);
   if (!kind) return fail(kind.error());
   Content out;
   if (*kind == TargetKind::executable) {
-    if (options.push != 0 || options.rate_given || options.assist_limit >= 0)
-      return fail(ErrorCode::unsupported, options.target, "Executable data cannot be run with --rate, --push or --assist-limit.",
+    if (options.push != 0 || options.rate_given || options.assist_limit >= 0 || options.correct)
+      return fail(ErrorCode::unsupported, options.target, "Executable data cannot be run with --rate, --push, --assist-limit or --correct.",
                   "Name the project instead.");
     const Result<std::string> text = files::read_file(options.target);
     if (!text) return fail(text.error());
@@ -104,6 +119,14 @@ Result<Content> load(const Options& options) {
   }
   Result<SceneSource> scene = load_scene(options.target, options.source, 1 / options.rate);
   if (!scene) return fail(std::move(scene.error()));
+  if (options.correct) {
+    if (*kind == TargetKind::project)
+      return fail(ErrorCode::unsupported, "--correct", "Motions of a project cannot be corrected by a run.",
+                  "Correct them in the studio, or name a motion file.");
+    const Result<correction::CorrectionReport> done = correct_clip(*scene);
+    if (!done) return fail(done.error());
+    out.correction = *done;
+  }
   out.name = scene->name;
   out.frames = scene->frames;
   out.height = scene->height;
@@ -190,6 +213,8 @@ int run_run(const Options& options) {
     }
     json["characters"] = std::move(characters);
     json["checks"] = content->checks;
+    if (content->correction)
+      json["correction"] = {{"change_deg", content->correction->change_deg}, {"root_move_cm", content->correction->root_move_cm}};
     json["touches"] = Json::array();
     for (const content::PlayerTouch& t : report->touches) json["touches"].push_back(touch_json(*report, t));
     json["touch_count"] = report->touch_count;
@@ -215,8 +240,13 @@ int run_run(const Options& options) {
                     to_fixed(m.penetration_mm, 1), m.release_time >= 0 ? to_fixed(m.release_time, 2) : "-", m.fell ? "yes" : "no"});
   }
   print_table(rows);
+  if (content->correction)
+    print_line("The motion was corrected before the run: its joints changed by " + to_fixed(content->correction->change_deg, 1) +
+               " degrees rms, its root by " + to_fixed(content->correction->root_move_cm, 1) + " cm rms.");
   if (is_lost(worst)) {
     for (const std::string& sentence : content->checks) print_line(sentence);
+    if (content->frames > 0 && !content->correction)
+      print_line("With --correct, the run follows a motion near this one that obeys the laws of mechanics as far as possible.");
     print_line("`ugoki judge " + options.target + "` shows when the motion needs forces that the ground cannot give.");
   }
   return 0;
@@ -246,6 +276,8 @@ void add_run_verb(Verb app, Action& action) {
       .delimiter(',')
       .expected(2);
   verb.add_option("--assist-limit", options->assist_limit, "Cap of the root assist, body weights").check(range(0.0, 10.0));
+  verb.add_flag("--correct", options->correct,
+                "First correct the clip as `ugoki correct` does: run a motion near it that obeys the laws of mechanics");
   verb.add_option("--frames", options->frames, "Write the display frames to this file (docs/files.md)");
   verb.add_option("--ugx", options->executable, "Write the executable data to this file");
   add_skeleton_option(verb, options->source);

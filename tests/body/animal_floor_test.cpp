@@ -154,6 +154,22 @@ TEST(AnimalFloor, LimbsWhosePawsHaveNoBoneReachTheFloor) {
   expect_on_floor(dog, [](const Link& link) { return link.name.ends_with("LowerLeg.L") || link.name.ends_with("LowerLeg.R"); });
 }
 
+// In another motion of the file the legs of the cartoon dog are drawn up by 10 cm, which the body's legs cannot do.
+TEST(AnimalFloor, IsTheLevelOfTheBodysPawsIfLimbsShift) {
+  const MeasuredMotion dog = standing_dog();
+  const auto body = make_body(dog);
+  ASSERT_TRUE(body) << body.error().text();
+  MeasuredMotion drawn = dog;
+  const std::size_t n = dog.skeleton.joints.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    if (dog.skeleton.joints[i].name.find("UpperLeg") == std::string::npos) continue;
+    drawn.skeleton.joints[i].translates = true;
+    for (std::size_t f = 0; f < static_cast<std::size_t>(dog.frames); ++f) drawn.translations[f * n + i].z += 0.1;
+  }
+  const std::vector<double> usual = lowest_points(*body, to_motion(*body, dog)), lows = lowest_points(*body, to_motion(*body, drawn));
+  for (std::size_t f = 0; f < lows.size(); ++f) EXPECT_NEAR(lows[f], usual[f], 1e-6) << f;
+}
+
 TEST(AnimalFloor, AnAnimalThatHardlyStandsCountsInAllFrames) {
   std::vector<double> heights(100, 0.1);
   std::fill_n(heights.begin(), 20, 0.5);

@@ -204,6 +204,14 @@ TEST_F(MotionCliTest, ARunThatIsLostNamesItsReasons) {
   ASSERT_FALSE(pushed["checks"].empty());
   EXPECT_NE(pushed["checks"][0].get<std::string>().find("assist was at its limit of 0.05"), std::string::npos) << pushed["checks"];
   EXPECT_EQ(ugoki({"run", walk_}).out.find("ugoki judge"), std::string::npos) << "a walk that is followed has no reasons";
+  EXPECT_NE(text.find("With --correct"), std::string::npos) << text;
+  // The correction gives the walk in place its travel, so that the person needs no assist.
+  const Json corrected = json({"run", in_place, "--assist-limit", "0.1", "--correct"});
+  EXPECT_FALSE(corrected["fell"].get<bool>());
+  EXPECT_LT(corrected["tracking_rms_deg"].get<double>(), 5);
+  EXPECT_LT(corrected["correction"]["change_deg"].get<double>(), 5);
+  EXPECT_GT(corrected["correction"]["change_deg"].get<double>(), 0);
+  EXPECT_FALSE(lost.contains("correction"));
 }
 
 TEST_F(MotionCliTest, RigidPartsThatMoveAreAMotionForEveryVerb) {

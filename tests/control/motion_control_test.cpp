@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "ugoki/collision/scene.h"
@@ -318,7 +319,63 @@ TEST(MotionControl, DoesNotDriveJointsWithoutEffort) {
   dynamics::Workspace ws(*m);
   ASSERT_TRUE(dynamics::calc_forward_dynamics(*m, ws, s.q, s.v, total, {0, 0, -9.81}, wrenches, a));
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(a[i], 0, 0.01) << i;
-  EXPECT_NEAR(a[6], -400 * 0.2 - 40 * 1.0, 0.05);
+  const double w = control.options().joint_frequency;
+  EXPECT_NEAR(a[6], -w * w * 0.2 - 2 * w * 1.0, 0.05);
+}
+
+/// The biped with all lengths multiplied by `scale`; equal density.
+MechanismPtr biped_of_size(double scale) {
+  MechanismSpec spec = biped()->spec();
+  for (LinkSpec& l : spec.links) {
+    l.joint.X_PJ.p = l.joint.X_PJ.p * scale;
+    const Shape& s = l.shapes[0];
+    l.shapes = {s.type == ShapeType::box ? Shape::box(s.half_extents * scale, {s.X_BS.R, s.X_BS.p * scale})
+                                         : Shape::capsule(s.radius * scale, {0, 0, -0.1 * scale}, {0, 0, -0.75 * scale})};
+    l.inertia = solid_inertia(l.shapes[0], 1000);
+  }
+  return Mechanism::make(std::move(spec)).value();
+}
+
+// Dynamic similarity: of two characters whose sizes differ by a factor, in the same pose and with speeds in the ratio of the square root,
+// the torques have the ratio of the weights times the lengths.
+TEST(MotionControl, SmallCharactersMoveLikeLargeOnes) {
+  constexpr double scale = 1.0 / 16, time = 0.25;
+  const MechanismPtr large = biped_of_size(0.8 / MotionControl(biped(), {}).lever()),
+                     small = [&] { return biped_of_size(0.8 / MotionControl(biped(), {}).lever() * scale); }();
+  std::vector<double> torque[2];
+  ControlOutput out[2];
+  for (const bool is_small : {false, true}) {
+    const MechanismPtr& m = is_small ? small : large;
+    MotionControl control(m, {});
+    EXPECT_NEAR(control.lever(), is_small ? 0.05 : 0.8, 1e-9);
+    State s(*m);
+    const double length = is_small ? scale : 1, speed = is_small ? time : 1;
+    s.q[0] = 0.03 * length;
+    s.q[2] = 0.9 * length;
+    const std::vector<double> reference = m->neutral(), rest(static_cast<std::size_t>(m->nv()), 0.0);
+    std::vector<double> goal = reference;
+    goal[2] = 0.88 * length;
+    for (std::size_t k = 0; k < 3; ++k) {
+      s.v[k] = 0.2 * (static_cast<double>(k) + 1) / (is_small ? time : 1);  // rad/s
+      s.v[3 + k] = 0.3 * (2 - static_cast<double>(k)) * speed;              // m/s
+    }
+    const std::vector<double> turn = {0.1, -0.2, 0.05, 0.15, 0.1, -0.1, -0.2, 0.05, 0.1, 0.02, -0.1, 0.1};
+    std::vector<double> step(rest.size(), 0.0);
+    std::ranges::copy(turn, step.begin() + 6);
+    const std::vector<double> start = s.q;
+    integrate(*m, start, step, 1.0, s.q);
+    ControlState memory;
+    std::vector<double> gain(rest.size()), target(rest.size());
+    torque[is_small ? 1 : 0].resize(rest.size());
+    out[is_small ? 1 : 0] =
+        control.step({s.q, s.v, goal, rest, rest, {}, 0, 0.002 * (is_small ? time : 1)}, memory, torque[is_small ? 1 : 0], gain, target);
+  }
+  const double force = std::pow(scale, 3), moment = force * scale;
+  for (std::size_t i = 6; i < torque[0].size(); ++i)
+    EXPECT_NEAR(torque[1][i] / moment, torque[0][i], 1e-6 * (1 + std::fabs(torque[0][i]))) << i;
+  EXPECT_GT(std::fabs(torque[0][7]), 1);
+  EXPECT_NEAR(out[0].size_bw, out[1].size_bw, 1e-9);
+  EXPECT_NEAR(norm(out[0].assist.v), norm(out[1].assist.v) / force, 1e-6);
 }
 
 }  // namespace

@@ -106,6 +106,21 @@ TEST(AnimalSize, TheTrunkFallsNoFasterThanGravityAllows) {
   EXPECT_NE(stag.reason.find("exaggerated"), std::string::npos) << stag.reason;
 }
 
+// The clips of toy animals have one cycle of 11 frames at 24 Hz.
+TEST(AnimalSize, ShortClipsShowTheFallOfTheTrunk) {
+  MeasuredMotion hop = bouncing(0.5);
+  hop.rate = 24;
+  hop.frames = 11;
+  for (int f = 0; f < hop.frames; ++f)
+    for (int i = 0; i < 4; ++i) hop.translations[static_cast<std::size_t>(4 * f + i)].z = 0.25 * ugoki::sin(4 * pi * f / hop.rate);
+  const std::vector<MeasuredMotion> clips(6, hop);
+  EXPECT_NEAR(fall_of_trunk(four_legs(1.2), clips), 39.5, 0.1 * 39.5);
+  const auto size = size_of_animal(four_legs(1.2), clips, 1, true, std::nullopt);
+  ASSERT_TRUE(size);
+  EXPECT_TRUE(size->changed);
+  EXPECT_LT(39.5 * size->unit, 1.7 * 9.81);
+}
+
 /// An animal that walks in place with hips 1 m high: sinusoidal swing of the feet, stance speed `speed`.
 MeasuredMotion walking(double period, double stride) {
   MeasuredMotion m = bouncing(0);

@@ -470,16 +470,54 @@ Result<Body> make_body(const MeasuredMotion& motion, const BodyOptions& options)
 }
 
 namespace {
+/// Memory of reproduce().
+struct Reproduction {
+  std::vector<Pose> measured;  ///< [joints] world poses in the motion
+  std::vector<Pose> made;      ///< [joints] world poses of the body's links
+};
+
+/// Coordinates of the body in one frame of a motion. Its links keep their lengths although joints of the motion may shift.
+/// @param X_WM moves the motion to the floor  @param previous [nq] coordinates of the frame before, or null  @param q [nq, out]
+void reproduce(const Body& body, const MeasuredMotion& m, int frame, const Pose& X_WM, const double* previous, double* q,
+               Reproduction& poses) {
+  const Mechanism& mech = *body.mechanism;
+  m.calc_joint_poses(frame, poses.measured);
+  poses.made.resize(poses.measured.size());
+  for (std::size_t i = 0; i < poses.made.size(); ++i) {
+    const Link& link = mech.link(body.link_of_joint[i]);
+    const Pose wanted = X_WM * poses.measured[i];
+    const int parent = m.skeleton.joints[i].parent;
+    double* own = q + link.q_index;
+    const double* before = previous ? previous + link.q_index : nullptr;
+    if (link.joint.type == JointType::floating) {
+      own[0] = wanted.p.x;
+      own[1] = wanted.p.y;
+      own[2] = wanted.p.z;
+      Joint ball;
+      ball.type = JointType::spherical;
+      find_coordinates(ball, wanted.R, before ? before + 3 : nullptr, own + 3);
+      poses.made[i] = wanted;
+      continue;
+    }
+    // The rotation is taken relative to the parent's reproduced pose, so that the errors of hinges do not accumulate along a limb.
+    const Pose& base = poses.made[at(parent)];
+    find_coordinates(link.joint, base.R.transposed() * wanted.R, before, own);
+    poses.made[i] = base * (link.joint.X_PJ * joint_pose(link.joint, own));
+  }
+}
+
 /// Height [m] of the floor under a character that is not human: in most frames its lowest point touches the floor. For four-legged animals
-/// only the frames count in which they stand (usually_stands).
+/// only the frames count in which they stand (usually_stands). The points are those of the body: limbs of cartoon animals may shift, and
+/// those of the body do not.
 double lowest_level(const Body& body, const MeasuredMotion& motion) {
-  std::vector<double> lows, heights;
-  std::vector<Pose> X;
+  std::vector<double> lows, heights, q(at(body.mechanism->nq()));
+  Reproduction poses;
   const int step = std::max(1, motion.frames / 1000);
   std::vector<std::vector<SupportPoint>> points;
   for (const int link : body.link_of_joint) points.push_back(support_points(body.mechanism->link(link)));
   for (int f = count_calibration_frames(motion); f < motion.frames; f += step) {
-    motion.calc_joint_poses(f, X);
+    reproduce(body, motion, f, {}, nullptr, q.data(), poses);
+    const std::vector<Pose>& X = poses.made;
     double low = 1e300;
     for (std::size_t i = 0; i < X.size(); ++i)
       for (const SupportPoint& s : points[i]) low = std::min(low, (X[i] * s.p).z - s.radius);
@@ -517,8 +555,7 @@ Pose floor_pose_at_rest(const Body& body, const MeasuredMotion& motion) {
 
 Motion convert(const Body& body, const MeasuredMotion& m) {
   const Mechanism& mech = *body.mechanism;
-  const std::size_t n = m.skeleton.joints.size();
-  UGOKI_CHECK(n == body.link_of_joint.size());
+  UGOKI_CHECK(m.skeleton.joints.size() == body.link_of_joint.size());
   Motion out;
   out.name = m.name;
   out.source = m.source;
@@ -528,33 +565,8 @@ Motion convert(const Body& body, const MeasuredMotion& m) {
   out.nq = mech.nq();
   out.q.assign(at(m.frames) * at(out.nq), 0.0);
   const Pose X_WM = floor_pose_at_rest(body, m);
-  std::vector<Pose> measured, made(n);
-  for (int f = 0; f < m.frames; ++f) {
-    m.calc_joint_poses(f, measured);
-    double* q = out.frame(f);
-    const double* previous = f > 0 ? out.frame(f - 1) : nullptr;
-    for (std::size_t i = 0; i < n; ++i) {
-      const Link& link = mech.link(body.link_of_joint[i]);
-      const Pose wanted = X_WM * measured[i];
-      const int parent = m.skeleton.joints[i].parent;
-      double* own = q + link.q_index;
-      const double* before = previous ? previous + link.q_index : nullptr;
-      if (link.joint.type == JointType::floating) {
-        own[0] = wanted.p.x;
-        own[1] = wanted.p.y;
-        own[2] = wanted.p.z;
-        Joint ball;
-        ball.type = JointType::spherical;
-        find_coordinates(ball, wanted.R, before ? before + 3 : nullptr, own + 3);
-        made[i] = wanted;
-        continue;
-      }
-      // The rotation is taken relative to the parent's reproduced pose, so that the errors of hinges do not accumulate along a limb.
-      const Pose& base = made[at(parent)];
-      find_coordinates(link.joint, base.R.transposed() * wanted.R, before, own);
-      made[i] = base * (link.joint.X_PJ * joint_pose(link.joint, own));
-    }
-  }
+  Reproduction poses;
+  for (int f = 0; f < m.frames; ++f) reproduce(body, m, f, X_WM, f > 0 ? out.frame(f - 1) : nullptr, out.frame(f), poses);
   if (const int first = count_calibration_frames(m); first > 0) {
     std::vector<double> back(at(mech.nv()));
     const auto frame = [&](int f) { return std::span<double>(out.frame(f), at(out.nq)); };

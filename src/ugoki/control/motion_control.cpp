@@ -80,7 +80,20 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
     const Vec3 d = mass > 0 ? X[i] * m.links()[i].inertia.centre() - X[0].p : Vec3{};
     spread += mass * (d.x * d.x + d.y * d.y);
   }
-  lever_ = std::max({0.1, X[0].p.z - low, 0.5 * (high - low), m.mass() > 0 ? std::sqrt(spread / m.mass()) : 0.0});
+  lever_ = std::max({0.02, X[0].p.z - low, 0.5 * (high - low), m.mass() > 0 ? std::sqrt(spread / m.mass()) : 0.0});
+  scale_to_size();
+}
+
+void MotionControl::scale_to_size() {
+  constexpr double person = 0.8;  // m, lever of a small adult: the options hold for it and for larger characters
+  const double length = std::min(1.0, lever_ / person), time = std::sqrt(length), speed = time;
+  ControlOptions& o = options_;
+  o.joint_frequency /= time;
+  o.root_frequency /= time;
+  o.joint_hold *= time / length;  // muscles of small animals are stronger in relation to their weight (Hill 1950)
+  for (double* t : {&o.patience, &o.shift_time, &o.return_time}) *t *= time;
+  o.planted_height *= length;
+  for (double* v : {&o.planted_speed, &o.lifting_speed, &o.sliding_speed, &o.slip_speed, &o.sliding_limit}) *v *= speed;
 }
 
 void MotionControl::predict_undriven(const ControlInput& in, std::span<double> tau, dynamics::Workspace& ws) {

@@ -143,7 +143,7 @@ double fall_of_trunk(const body::Character& character, std::span<const MeasuredM
   std::vector<double> falls;
   for (const MeasuredMotion& m : motions) {
     const int span = std::max(1, static_cast<int>(std::lround(0.04 * m.rate)));  // differences over shorter times measure noise
-    if (m.frames < 2 * span + 10) continue;
+    if (m.frames < 2 * span + 6) continue;
     std::vector<double> heights;
     for (const auto& X : world_of(m)) heights.push_back(trunk_at(character, X).z);
     const double time = span / m.rate;

@@ -114,9 +114,9 @@ void add_control(circuit::Library& library) {
                   number_parameter("balance", usual.balance, 0, 2, "", "Factor on the gains of the root."),
                   number_parameter("assist limit", usual.assist_limit, 0, 10, "body weights",
                                    "Maximum root assist; a character that needs more lags behind its reference."),
-                  number_parameter("joint frequency", usual.joint_frequency, 0, 500, "rad/s", "Rate at which the error of a joint decays."),
+                  number_parameter("joint frequency", usual.joint_frequency, 0, 500, "rad/s", "Rate at which the error of a joint decays, for a person; of smaller characters, errors decay faster."),
                   number_parameter("root frequency", usual.root_frequency, 0, 500, "rad/s",
-                                   "Rate at which the error of the root decays; also used for the joints that carry it."),
+                                   "Rate at which the error of the root decays, for a person; also used for the joints that carry it."),
                   number_parameter("patience", usual.patience, 0.001, 100, "s",
                                    "Averaging time of the departure from the reference; a larger value delays the release.")};
   c.configure = [](Setup& s) {
