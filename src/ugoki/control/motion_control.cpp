@@ -80,13 +80,14 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
     const Vec3 d = mass > 0 ? X[i] * m.links()[i].inertia.centre() - X[0].p : Vec3{};
     spread += mass * (d.x * d.x + d.y * d.y);
   }
-  lever_ = std::max({0.02, X[0].p.z - low, 0.5 * (high - low), m.mass() > 0 ? std::sqrt(spread / m.mass()) : 0.0});
-  scale_to_size();
+  const double size = std::max({X[0].p.z - low, 0.5 * (high - low), m.mass() > 0 ? std::sqrt(spread / m.mass()) : 0.0});
+  lever_ = std::max(0.1, size);
+  scale_to_size(size);
 }
 
-void MotionControl::scale_to_size() {
-  constexpr double person = 0.8;  // m, lever of a small adult: the options hold for it and for larger characters
-  const double length = std::min(1.0, lever_ / person), time = std::sqrt(length), speed = time;
+void MotionControl::scale_to_size(double size) {
+  constexpr double person = 0.8, smallest = 0.02;  // m: the options hold for a small adult and for larger characters
+  const double length = std::clamp(size / person, smallest / person, 1.0), time = std::sqrt(length), speed = time;
   ControlOptions& o = options_;
   o.joint_frequency /= time;
   o.root_frequency /= time;

@@ -26,7 +26,7 @@
 namespace ugoki::control {
 
 /// Parameters of the controller. One body weight is the character's mass times gravity [N]. Frequencies, times, speeds and the planted
-/// height are those of a person. For a character whose MotionControl::lever() is below 0.8 m they are scaled: lengths by lever / 0.8 m,
+/// height are those of a person. For a character whose lever is below 0.8 m (at least 0.02 m) they are scaled: lengths by lever / 0.8 m,
 /// times and speeds by the square root, frequencies by its inverse.
 struct ControlOptions {
   double tracking = 1;            ///< factor (0 ... 2) on the joints' gains
@@ -100,7 +100,7 @@ class MotionControl {
   [[nodiscard]] const Mechanism& mechanism() const { return *mechanism_; }
   /// Lever [m] that converts moments to forces in the norm of the assist. It is the maximum of four lengths: height of the root above the
   /// character's lowest point in the neutral position, half the character's height, root mean square horizontal distance of the character's
-  /// mass from the root, and 0.02 m.
+  /// mass from the root, and 0.1 m.
   [[nodiscard]] double lever() const { return lever_; }
   /// Converts the assist to an external wrench on the root link about the world origin.
   /// @param root m, world: origin of the root link
@@ -122,7 +122,7 @@ class MotionControl {
   ControlOptions options_;
   /// Scales the options from a person to a smaller character: lengths by the ratio of the levers, times and speeds by its square root,
   /// because characters of different size move alike if their times are in this ratio (Alexander and Jayes 1983).
-  void scale_to_size();
+  void scale_to_size(double size);
   /// Sets supports_ to the contacts that can bear load: planted in the reference and closed in the present state.
   void find_supports(const ControlInput& input, const Vec3& shift);
   /// Replaces the wanted accelerations of the joints without a drive (effort 0) and outside of loops by those that their springs and
