@@ -35,7 +35,7 @@ function volume(s: BodySurface, range: IndexRange): number {
 
 describe('the surface of a body', () => {
   it('is a closed mesh whose normals point outwards', () => {
-    for (const [body, range] of [made.spheres, made.chain].flatMap((b) => [[b, b.shown], [b, b.far], [b, b.shadow]] as const)) {
+    for (const [body, range] of [made.spheres, made.chain].flatMap((b) => [b.shown, ...b.coarser, b.shadow].map((range) => [b, range] as const))) {
       const index = indices(body, range);
       const edges = new Map<string, number>();
       for (let i = 0; i < index.length; i += 3)
@@ -58,7 +58,10 @@ describe('the surface of a body', () => {
       expect(new THREE.Vector3().fromBufferAttribute(normal, i).dot(p.clone().sub(nearest).normalize())).toBeGreaterThan(0.99);
     });
     const exact = 8 * (4 / 3) * Math.PI * radius ** 3;
-    expect(surface.far.count).toBeLessThan(0.95 * surface.shown.count);
+    [surface.shown, ...surface.coarser].reduce((finer, level) => {
+      expect(level.count).toBeLessThan(0.95 * finer.count);
+      return level;
+    });
     const deepest = (range: IndexRange): number => {
       const p = points(surface);
       const index = indices(surface, range);
@@ -68,9 +71,11 @@ describe('the surface of a body', () => {
       });
       return Math.max(...depths);
     };
-    expect(deepest(surface.far)).toBeGreaterThan(deepest(surface.shown));
-    expect(deepest(surface.far)).toBeLessThan(deepest(surface.shown) + surface.far_error);
-    expect(Math.abs(volume(surface, surface.far) / exact - 1)).toBeLessThan(0.17);
+    for (const level of surface.coarser) {
+      expect(deepest(level)).toBeGreaterThan(deepest(surface.shown));
+      expect(deepest(level)).toBeLessThan(deepest(surface.shown) + level.error);
+    }
+    expect(Math.abs(volume(surface, surface.coarser[0]!) / exact - 1)).toBeLessThan(0.17);
     expect(Math.abs(volume(surface, surface.shadow) / exact - 1)).toBeLessThan(0.24);
     expect(Math.abs(volume(surface, surface.shown) / exact - 1)).toBeLessThan(0.1); // facets of 1/100 of the body's length lie inside the spheres
   });

@@ -45,8 +45,9 @@ describe('a crowd', () => {
     const shapes = mechanism_geometries(cyclist);
     const surface = body_and_machine(body, cyclist, shapes);
     const index = shapes[0]!.index!.count;
-    for (const range of ['shown', 'far', 'shadow'] as const) expect(surface[range].count).toBe(body[range].count + index);
-    expect(surface.geometry.index!.count).toBe(surface.shown.count + surface.far.count + surface.shadow.count);
+    const ranges = ({ shown, coarser, shadow }: typeof surface | typeof body) => [shown, ...coarser, shadow];
+    ranges(surface).forEach((range, i) => expect(range.count).toBe(ranges(body)[i]!.count + index));
+    expect(surface.geometry.index!.count).toBe(ranges(surface).reduce((sum, range) => sum + range.count, 0));
     const member = new CrowdMember('c', cyclist, shapes, '#ffffff');
     member.surface = surface;
     member.place_poses(new Float32Array(links.flatMap((_, i) => [5, i, 7, 1, 0, 0, 0])), 0, links.length);

@@ -1,26 +1,33 @@
 import * as THREE from 'three';
 import { describe, expect, it } from 'vitest';
-import { is_far } from '../src/view/far_surface';
+import { surface_at } from '../src/view/far_surface';
 
-const renderer = (height: number): THREE.WebGLRenderer => ({ getRenderTarget: () => null, domElement: { height } }) as unknown as THREE.WebGLRenderer;
+const renderer = (height: number): THREE.WebGLRenderer => ({ getRenderTarget: () => null, getSize: (out: THREE.Vector2) => out.set(2 * height, height) }) as unknown as THREE.WebGLRenderer;
+const shown = { start: 0, count: 30 };
+const coarser = [0.005, 0.01, 0.02].map((error, i) => ({ start: 30 + 3 * i, count: 3, error }));
+/** Deviation of the surface that is drawn, m; 0: the finest. */
+const error_at = (height: number, camera: THREE.Camera, distance: number): number => (surface_at(renderer(height), camera, { shown, coarser }, distance) as { error?: number }).error ?? 0;
 
-describe('the coarser surface of bodies', () => {
-  it('is drawn if it deviates by less than a pixel at the nearest body', () => {
+describe('the coarser surfaces of bodies', () => {
+  it('are drawn if they deviate by less than a pixel at the nearest body', () => {
     const camera = new THREE.PerspectiveCamera(90, 1, 0.1, 100); // at 5 m, 10 m are visible: 10 mm a pixel of 1000
-    expect(is_far(renderer(1000), camera, 0.0099, 5)).toBe(true);
-    expect(is_far(renderer(1000), camera, 0.0101, 5)).toBe(false);
-    expect(is_far(renderer(2000), camera, 0.0099, 5)).toBe(false);
-    expect(is_far(renderer(1000), camera, 0.0099, 2.5)).toBe(false);
+    expect(error_at(1000, camera, 2.4)).toBe(0);
+    expect(error_at(1000, camera, 2.6)).toBe(0.005);
+    expect(error_at(1000, camera, 4.9)).toBe(0.005);
+    expect(error_at(1000, camera, 5.1)).toBe(0.01);
+    expect(error_at(1000, camera, 100)).toBe(0.02);
+    expect(error_at(2000, camera, 5.1)).toBe(0.005);
   });
 
-  it('does not depend on the distance for an orthographic camera, whose zoom counts', () => {
-    const camera = new THREE.OrthographicCamera(-5, 5, 5, -5);
-    for (const distance of [0.1, 50]) {
-      expect(is_far(renderer(1000), camera, 0.0099, distance)).toBe(true);
-      expect(is_far(renderer(1000), camera, 0.0101, distance)).toBe(false);
-    }
+  it('do not depend on the distance for an orthographic camera, whose zoom counts', () => {
+    const camera = new THREE.OrthographicCamera(-5.1, 5.1, 5.1, -5.1);
+    for (const distance of [0.1, 50]) expect(error_at(1000, camera, distance)).toBe(0.01);
     camera.zoom = 2;
     camera.updateProjectionMatrix();
-    expect(is_far(renderer(1000), camera, 0.0099, 5)).toBe(false);
+    expect(error_at(1000, camera, 5)).toBe(0.005);
+  });
+
+  it('are not drawn if there are none', () => {
+    expect(surface_at(renderer(1000), new THREE.PerspectiveCamera(), { shown, coarser: [] }, 100)).toBe(shown);
   });
 });

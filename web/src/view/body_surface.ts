@@ -7,12 +7,10 @@ import { BodyField, bind_poses, is_body } from './body_field';
 export interface BodySurface {
   /** Attributes position and normal (bind pose), skinIndex (links) and skinWeight. The draw range is the surface that is shown. */
   geometry: THREE.BufferGeometry;
-  /** Ranges of the index: of the surface that is shown, and of coarser ones: from afar, and for its shadow, which has the fewest triangles. */
+  /** Ranges of the index: of the surface that is shown, of coarser ones that are drawn from afar, the finest first, and of the one that casts its shadow. */
   shown: IndexRange;
-  far: IndexRange;
+  coarser: Level[];
   shadow: IndexRange;
-  /** Deviation of the surface `far` from `shown`, m. */
-  far_error: number;
   /** Inverse of the bind pose of every link. */
   inverses: THREE.Matrix4[];
 }
@@ -22,11 +20,17 @@ export interface IndexRange {
   count: number;
 }
 
+/** A coarser form of a surface. */
+export interface Level extends IndexRange {
+  /** Deviation from the surface that is shown, m. */
+  error: number;
+}
+
 const cells_over_height = 100; // 18 mm for a person of 1.8 m: fingers and toes of the samples have no shapes of their own
 const rough_cells_over_height = 45; // a fifth of the work
 // Where the surface is flat, its triangles are joined. The bounds are in cells: an arm of 50 mm radius deviates by as much between its vertices.
 const shown_error = 0.055; // 1 mm for a person of 1.8 m
-const far_error = 0.14; // 2.7 mm
+const coarser_errors = [0.14, 0.2, 0.28, 0.4, 0.57]; // 2.5 ... 10 mm, in steps of the square root of 2
 const shadow_error = 0.22; // 4 mm, less than a texel of the shadow map
 const normal_weight = 28; // a normal that is wrong by 1/500 counts as 1 mm, because light shows it
 const bend_weight = 2.8; // a wrong part of 1/50 between two links counts as 1 mm: a bent limb moves by about its radius
@@ -76,9 +80,8 @@ interface Details {
   /** First the triangles that are shown, then those that cast the shadow if these are others. */
   indices: Uint32Array;
   shown: IndexRange;
-  far: IndexRange;
+  coarser: Level[];
   shadow: IndexRange;
-  far_error: number;
 }
 
 function surface_of(mechanism: MechanismData, details: (field: BodyField) => Details): BodySurface | null {
@@ -88,13 +91,13 @@ function surface_of(mechanism: MechanismData, details: (field: BodyField) => Det
   if (made.shown.count === 0) return null;
   const empty = { start: 0, count: 0 };
   const inverses = bind.map((m) => m.clone().invert());
-  const surface: BodySurface = { geometry: new THREE.BufferGeometry(), shown: { ...empty }, far: { ...empty }, shadow: { ...empty }, far_error: 0, inverses };
+  const surface: BodySurface = { geometry: new THREE.BufferGeometry(), shown: { ...empty }, coarser: [], shadow: { ...empty }, inverses };
   set_details(surface, made);
   return surface;
 }
 
 function set_details(surface: BodySurface, made: Details): void {
-  const { geometry, shown, far, shadow } = surface;
+  const { geometry, shown, coarser, shadow } = surface;
   geometry.dispose(); // frees the buffers of the former details
   geometry.setAttribute('position', new THREE.BufferAttribute(made.positions, 3));
   geometry.setAttribute('normal', new THREE.BufferAttribute(made.normals, 3));
@@ -103,9 +106,8 @@ function set_details(surface: BodySurface, made: Details): void {
   geometry.setIndex(new THREE.BufferAttribute(made.indices, 1));
   geometry.computeBoundingSphere();
   Object.assign(shown, made.shown);
-  Object.assign(far, made.far);
+  coarser.splice(0, Infinity, ...made.coarser);
   Object.assign(shadow, made.shadow);
-  surface.far_error = made.far_error;
   geometry.setDrawRange(shown.start, shown.count);
 }
 
@@ -114,12 +116,15 @@ function* details_of(field: BodyField, rough: boolean): Work<Details> {
   const normals = yield* normals_of(field, positions);
   const skin = yield* weights_of(field, positions);
   const range = { start: 0, count: indices.length };
-  if (rough || indices.length === 0) return { positions, normals, ...skin, indices, shown: range, far: range, shadow: range, far_error: 0 };
+  if (rough || indices.length === 0) return { positions, normals, ...skin, indices, shown: range, coarser: [], shadow: range };
   yield;
   const shown = join_flat(field, { positions, normals, ...skin, indices }, shown_error, cell);
   yield;
-  const far = join_flat(field, { positions, normals, ...skin, indices: shown }, far_error, cell);
-  yield;
+  const levels: Uint32Array[] = [];
+  for (const error of coarser_errors) {
+    levels.push(join_flat(field, { positions, normals, ...skin, indices: shown }, error, cell));
+    yield;
+  }
   const [shadow] = MeshoptSimplifier.simplify(shown, positions, 3, 0, shadow_error * cell, ['ErrorAbsolute']);
   const [places, count] = MeshoptSimplifier.compactMesh(shown); // changes `shown` to the places
   const kept = <A extends Float32Array | Uint16Array>(values: A, size: number): A => {
@@ -129,20 +134,23 @@ function* details_of(field: BodyField, rough: boolean): Work<Details> {
     });
     return out;
   };
-  const all = new Uint32Array(shown.length + far.length + shadow.length);
-  all.set(shown);
-  far.forEach((i, k) => (all[shown.length + k] = places[i]!));
-  shadow.forEach((i, k) => (all[shown.length + far.length + k] = places[i]!));
+  const lists = [...levels, shadow].map((list) => list.map((i) => places[i]!));
+  const all = new Uint32Array([shown, ...lists].reduce((sum, list) => sum + list.length, 0));
+  let end = 0;
+  const [shown_range, ...ranges] = [shown, ...lists].map((list): IndexRange => {
+    all.set(list, end);
+    end += list.length;
+    return { start: end - list.length, count: list.length };
+  });
   return {
     positions: kept(positions, 3),
     normals: kept(normals, 3),
     links: kept(skin.links, 4),
     weights: kept(skin.weights, 4),
     indices: all,
-    shown: { start: 0, count: shown.length },
-    far: { start: shown.length, count: far.length },
-    shadow: { start: shown.length + far.length, count: shadow.length },
-    far_error: far_error * cell,
+    shown: shown_range!,
+    coarser: coarser_errors.map((error, i) => ({ ...ranges[i]!, error: error * cell })),
+    shadow: ranges.at(-1)!,
   };
 }
 

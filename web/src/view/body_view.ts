@@ -2,8 +2,9 @@
 import * as THREE from 'three';
 import type { MechanismData } from '../core/protocol';
 import { make_body_surface, make_rough_surface, max_links, type BodySurface, type IndexRange, type Work } from './body_surface';
-import { is_far } from './far_surface';
+import { surface_at } from './far_surface';
 import { shadow_material } from './shadow_region';
+import { LinkSkeleton } from './skinning';
 import { glow_light, shade_by_vertices } from './vertex_shading';
 
 const place = new THREE.Vector3();
@@ -26,7 +27,7 @@ export function sample_surface(): BodySurface {
   geometry.setAttribute('skinIndex', new THREE.BufferAttribute(new Uint16Array(12), 4));
   geometry.setIndex([0, 1, 2]);
   const range = { start: 0, count: 3 };
-  return { geometry, shown: range, far: range, shadow: range, far_error: 0, inverses: [new THREE.Matrix4()] };
+  return { geometry, shown: range, coarser: [], shadow: range, inverses: [new THREE.Matrix4()] };
 }
 
 /** Makes the surfaces of bodies: first rough ones, which become the same as those of body_surface() while pictures are drawn. */
@@ -73,7 +74,7 @@ export const hidden_layer = 1;
 
 /** Bones with the world poses of the links. */
 export class LinkBones {
-  readonly skeleton: THREE.Skeleton;
+  readonly skeleton: LinkSkeleton;
 
   constructor(surface: BodySurface) {
     const bones = surface.inverses.map(() => {
@@ -81,7 +82,7 @@ export class LinkBones {
       bone.matrixAutoUpdate = bone.matrixWorldAutoUpdate = false;
       return bone;
     });
-    this.skeleton = new THREE.Skeleton(bones, surface.inverses);
+    this.skeleton = new LinkSkeleton(bones, surface.inverses);
   }
 
   set(link: number, pose: THREE.Matrix4): void {
@@ -135,7 +136,7 @@ export class BodySkin {
     this.mesh = this.bones.mesh(surface, this.material);
     this.mesh.castShadow = this.mesh.receiveShadow = true;
     this.mesh.customDepthMaterial = shadow_material;
-    const { geometry, shown, far, shadow } = surface;
+    const { geometry, shown, shadow } = surface;
     const show = ({ start, count }: IndexRange): void => geometry.setDrawRange(start, count);
     const all = followers_of(surface).add(this.bones);
     const eye = new THREE.Vector3();
@@ -143,7 +144,7 @@ export class BodySkin {
     this.mesh.onBeforeRender = (renderer, _scene, camera) => {
       eye.setFromMatrixPosition(camera.matrixWorld);
       const nearest = Math.min(...[...all].map((bones) => bones.distance(eye)));
-      show(is_far(renderer, camera, surface.far_error, nearest) ? far : shown);
+      show(surface_at(renderer, camera, surface, nearest));
     };
     this.mesh.onAfterShadow = this.mesh.onAfterRender = () => show(shown); // others draw the same geometry
   }

@@ -10,7 +10,7 @@ import { body_surface } from './body_view';
 import { CrowdMember } from './crowd_member';
 import { crowd_depth, crowd_material, texel_row } from './crowd_shader';
 import { body_and_machine, rigid_surface, with_shape_colors, type CrowdSurface } from './crowd_surface';
-import { is_far } from './far_surface';
+import { surface_at } from './far_surface';
 import { relief_attribute } from './relief';
 
 const first_capacity = 8;
@@ -58,7 +58,7 @@ class Batch {
     this.mesh.frustumCulled = false; // the instances are anywhere
     this.mesh.castShadow = this.mesh.receiveShadow = true;
     this.mesh.raycast = () => undefined; // rays hit the shapes of the links
-    const { shown, far, shadow } = surface;
+    const { shown, shadow } = surface;
     const show = ({ start, count }: IndexRange): void => this.mesh.geometry.setDrawRange(start, count);
     const eye = new THREE.Vector3();
     show(shown);
@@ -66,7 +66,7 @@ class Batch {
     this.mesh.onBeforeRender = (renderer, _scene, camera) => {
       eye.setFromMatrixPosition(camera.matrixWorld);
       const nearest = Math.min(...this.members.map((member) => member.distance(eye)));
-      show(is_far(renderer, camera, surface.far_error, nearest) ? far : shown);
+      show(surface_at(renderer, camera, surface, nearest));
     };
   }
 

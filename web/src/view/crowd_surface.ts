@@ -3,7 +3,7 @@ import * as THREE from 'three';
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { MechanismData } from '../core/protocol';
 import { parts_of_body } from './body_field';
-import type { BodySurface, IndexRange } from './body_surface';
+import type { BodySurface, IndexRange, Level } from './body_surface';
 import { shape_colors } from './character_view';
 import { relief_attribute } from './relief';
 
@@ -13,24 +13,22 @@ export interface CrowdSurface {
   links: number;
   /** Inverse of the rest pose of every link; null: the surface of each link is in its own frame. */
   inverses: { position: THREE.Vector3; rotation: THREE.Quaternion }[] | null;
-  /** Ranges of the index that are drawn, that are drawn from afar, and that cast shadows. */
+  /** Ranges of the index that are drawn, that are drawn from afar, the finest first, and that cast shadows. */
   shown: IndexRange;
-  far: IndexRange;
+  coarser: Level[];
   shadow: IndexRange;
-  /** Deviation of `far` from `shown`, m. */
-  far_error: number;
   /** Whether it is the smooth surface of a body, and nothing else. */
   whole_body: boolean;
 }
 
 /** The smooth surface of a body. */
-function skinned_surface({ geometry, shown, far, shadow, far_error, inverses }: BodySurface): CrowdSurface {
+function skinned_surface({ geometry, shown, coarser, shadow, inverses }: BodySurface): CrowdSurface {
   const parts = inverses.map((matrix) => {
     const [position, rotation] = [new THREE.Vector3(), new THREE.Quaternion()];
     matrix.decompose(position, rotation, new THREE.Vector3());
     return { position, rotation };
   });
-  return { geometry, links: inverses.length, inverses: parts, shown, far, shadow, far_error, whole_body: true };
+  return { geometry, links: inverses.length, inverses: parts, shown, coarser, shadow, whole_body: true };
 }
 
 /** The smooth surface of a body, and beside it the shapes of the links that are no parts of the body. @param geometries as in rigid_surface() */
@@ -51,12 +49,15 @@ export function body_and_machine(body: BodySurface, mechanism: MechanismData, ge
   const geometry = mergeGeometries([smooth, ...parts]);
   const shapes = [...geometry.index!.array];
   const smooth_index = ({ start, count }: IndexRange): number[] => [...body.geometry.index!.array.slice(start, start + count)];
-  const shown = [...smooth_index(body.shown), ...shapes];
-  const far = [...smooth_index(body.far), ...shapes];
-  const shadow = [...smooth_index(body.shadow), ...shapes];
-  geometry.setIndex([...shown, ...far, ...shadow]);
-  const range = (start: number, list: number[]): IndexRange => ({ start, count: list.length });
-  return { ...skinned, whole_body: false, geometry, shown: range(0, shown), far: range(shown.length, far), shadow: range(shown.length + far.length, shadow) };
+  const all: number[] = [];
+  const range = (surface: IndexRange): IndexRange => {
+    const start = all.length;
+    for (const index of [...smooth_index(surface), ...shapes]) all.push(index);
+    return { start, count: all.length - start };
+  };
+  const ranges = { shown: range(body.shown), coarser: body.coarser.map((level) => ({ ...range(level), error: level.error })), shadow: range(body.shadow) };
+  geometry.setIndex(all);
+  return { ...skinned, ...ranges, whole_body: false, geometry };
 }
 
 /** The shapes of each link as a geometry whose vertices follow the link; null entries are left out. */
@@ -94,5 +95,5 @@ export function rigid_surface(mechanism: MechanismData, geometries: readonly (TH
   const parts = link_parts(geometries);
   const geometry = parts.length > 0 ? mergeGeometries(parts) : new THREE.BufferGeometry().setAttribute('position', new THREE.BufferAttribute(new Float32Array(0), 3)).setIndex([]);
   const all = { start: 0, count: geometry.index?.count ?? 0 };
-  return { geometry, links: mechanism.links.length, inverses: null, shown: all, far: all, shadow: all, far_error: 0, whole_body: false };
+  return { geometry, links: mechanism.links.length, inverses: null, shown: all, coarser: [], shadow: all, whole_body: false };
 }

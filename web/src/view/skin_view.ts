@@ -3,6 +3,7 @@ import * as THREE from 'three';
 import type { SkinData } from '../core/protocol';
 import type { Material } from '../core/look';
 import { hidden_layer } from './body_view';
+import { LinkSkeleton } from './skinning';
 import { unpack as bytes_of } from './surfaces';
 
 const clear = 0.45; // opacity of a skin through which the body is seen
@@ -125,7 +126,7 @@ export class SkinView {
       return bone;
     });
     this.mesh.bindMode = THREE.DetachedBindMode;
-    this.mesh.bind(new THREE.Skeleton(this.bones, matrices), new THREE.Matrix4());
+    this.mesh.bind(new LinkSkeleton(this.bones, matrices), new THREE.Matrix4());
     this.mesh.frustumCulled = false;
     this.mesh.castShadow = this.mesh.receiveShadow = true;
     this.mesh.raycast = () => undefined; // rays hit the shapes of the links
