@@ -249,7 +249,7 @@ TEST_F(NestTest, NestingRandomDocumentsChangesOnlyNames) {
   testing::RandomCommands random(seed);
   document = testing::make_scenario();
   int nested = 0;
-  for (int i = 0; i < 1500; ++i) {
+  for (int i = 0; i < 2500; ++i) {
     if (auto effect = apply_command(document, random.next(document), catalogue, next_id)) document = std::move(effect->scenario);
     if (i % 5 != 0 || document.characters.empty()) continue;
     std::string list;

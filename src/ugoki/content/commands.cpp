@@ -17,8 +17,7 @@
 namespace ugoki::content {
 namespace {
 
-constexpr std::size_t max_command_size = 16u << 20;  // bytes of JSON: 16 MiB
-constexpr std::size_t max_commands = 10'000;         // maximum number in one group, including nested groups
+constexpr std::size_t max_commands = 10'000;  // maximum number in one group, including nested groups
 
 /// Applies one command (with the commands of a group) to a copy of the document.
 class Work {
@@ -371,45 +370,6 @@ class Work {
     return label;
   }
 
-  ScenarioMarker* marker_in(Fields& f) {
-    std::string id;
-    f.require("id", "the marker's id");
-    f.text("id", id);
-    if (!problems_.empty()) return nullptr;
-    for (ScenarioMarker& m : document().markers)
-      if (m.id == id) return &m;
-    report_missing(f, "id", "marker", id);
-    return nullptr;
-  }
-
-  std::string marker_add(Fields& f) {
-    f.require("time", "the marker's time in seconds");
-    ScenarioMarker marker;
-    read_marker(f, marker);
-    if (!problems_.empty()) return {};
-    assign_id(marker.id, 'm');
-    if (marker.name.empty()) marker.name = "Marker " + std::to_string(document().markers.size() + 1);
-    document().markers.push_back(std::move(marker));
-    return "Add marker";
-  }
-
-  std::string marker_set(Fields& f) {
-    ScenarioMarker* marker = marker_in(f);
-    if (!marker) return {};
-    const ScenarioMarker before = *marker;
-    read_marker(f, *marker);
-    marker->id = before.id;
-    return marker->time != before.time ? "Move marker" : "Rename marker";
-  }
-
-  std::string marker_remove(Fields& f) {
-    const ScenarioMarker* marker = marker_in(f);
-    if (!marker) return {};
-    const std::string id = marker->id;
-    std::erase_if(document().markers, [&](const ScenarioMarker& m) { return m.id == id; });
-    return "Remove marker";
-  }
-
   std::vector<Rule>::iterator rule_in(Fields& f) {
     std::vector<Rule>& rules = document().rules;
     std::string id;
@@ -574,9 +534,9 @@ const std::array<Work::Kind, 46> Work::kinds = {{{"clip.add", &Work::clip_add},
                                                  {"event.add", &Work::event_add},
                                                  {"event.set", &Work::event_set},
                                                  {"event.remove", &Work::event_remove},
-                                                 {"marker.add", &Work::marker_add},
-                                                 {"marker.set", &Work::marker_set},
-                                                 {"marker.remove", &Work::marker_remove},
+                                                 {"marker.add", &Work::add_item<add_marker>},
+                                                 {"marker.set", &Work::on_document<set_marker>},
+                                                 {"marker.remove", &Work::on_document<remove_marker>},
                                                  {"rule.add", &Work::rule_add},
                                                  {"rule.set", &Work::rule_set},
                                                  {"rule.move", &Work::rule_move},
@@ -606,16 +566,6 @@ const std::array<Work::Kind, 46> Work::kinds = {{{"clip.add", &Work::clip_add},
                                                  {"in", &Work::in_scenario},
                                                  {"group", &Work::group}}};
 
-void collect_resources(const Json& command, std::vector<std::string>& out) {
-  if (!command.is_object()) return;
-  for (const char* key : {"motion", "mechanism", "mesh"})
-    if (const auto it = command.find(key); it != command.end() && it->is_string()) out.push_back(it->get_ref<const std::string&>());
-  for (const char* key : {"rule", "do", "prop", "command"})
-    if (const auto it = command.find(key); it != command.end()) collect_resources(*it, out);
-  if (const auto it = command.find("commands"); it != command.end() && it->is_array())
-    for (const Json& c : *it) collect_resources(c, out);
-}
-
 }  // namespace
 
 Result<CommandEffect> apply_command(const Scenario& scenario, std::string_view command, const Catalogue& catalogue,
@@ -634,12 +584,6 @@ std::vector<std::string_view> command_types() {
   std::vector<std::string_view> types;
   for (const Work::Kind& kind : Work::kinds) types.push_back(kind.type);
   return types;
-}
-
-std::vector<std::string> resources_named(std::string_view command) {
-  std::vector<std::string> ids;
-  if (const Result<Json> json = parse_json(command, "command", max_command_size)) collect_resources(*json, ids);
-  return ids;
 }
 
 }  // namespace ugoki::content

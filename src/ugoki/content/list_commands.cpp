@@ -64,6 +64,31 @@ std::string drop_variable(Fields& f, Scenario& scenario) {
   return "Remove variable";
 }
 
+std::string add_marker(Fields& f, Scenario& scenario, const AssignId& assign_id) {
+  f.require("time", "the marker's time in seconds");
+  ScenarioMarker marker;
+  read_marker(f, marker);
+  if (!f.problems().empty()) return {};
+  assign_id(marker.id, 'm');
+  if (marker.name.empty()) marker.name = "Marker " + std::to_string(scenario.markers.size() + 1);
+  scenario.markers.push_back(std::move(marker));
+  return "Add marker";
+}
+
+std::string set_marker(Fields& f, Scenario& scenario) {
+  ScenarioMarker* marker = find_item(f, scenario.markers, "marker");
+  if (!marker) return {};
+  const ScenarioMarker before = *marker;
+  read_marker(f, *marker);
+  marker->id = before.id;
+  return marker->time != before.time ? "Move marker" : "Rename marker";
+}
+
+std::string remove_marker(Fields& f, Scenario& scenario) {
+  erase_item<ScenarioMarker>(scenario.markers, find_item(f, scenario.markers, "marker"));
+  return "Remove marker";
+}
+
 std::string add_pose(Fields& f, Scenario& scenario, const AssignId& assign_id) {
   ScenarioPose pose;
   read_item(f, "pose", read_pose, pose);
