@@ -9,6 +9,7 @@
 #include "sources.h"
 #include "ugoki/base/number.h"
 #include "ugoki/content/executable.h"
+#include "ugoki/content/flatten.h"
 #include "ugoki/content/ugx.h"
 #include "ugoki/files/files.h"
 #include "ugoki/formats/mechanism_json.h"
@@ -66,7 +67,9 @@ Json anatomy_json(const body::AnatomyMapping& anatomy) {
   return {{"plan", anatomy.plan}, {"confidence", anatomy.confidence}, {"limbs", std::move(limbs)}};
 }
 
-Json scenario_json(const content::Scenario& s) {
+/// @param document whose nested scenarios are described by the characters that they add
+Json scenario_json(const content::Scenario& document) {
+  const content::Scenario s = content::flatten(document);
   Json characters = Json::array();
   for (const content::ScenarioCharacter& c : s.characters)
     characters.push_back(
@@ -77,6 +80,7 @@ Json scenario_json(const content::Scenario& s) {
           {"step_s", s.step},
           {"characters", std::move(characters)},
           {"events", s.events.size()},
+          {"instances", document.instances.size()},
           {"circuit", s.circuit.empty() ? "default" : "own"}};
 }
 
