@@ -82,8 +82,8 @@ async function create_contents({ page }, wanted) {
     await until(page, async () => (await name()) === `${id === 'empty' ? 'untitled' : id}.ugoki`, `the project ${id}`);
     await until(page, async () => (await hook(page, 'frame()')) !== null, `a frame of ${id}`);
     if (id === 'empty') continue;
-    const { characters } = await document_of(page);
-    assert.ok(characters.length > 0, id);
+    const { characters, instances = [] } = await document_of(page);
+    assert.ok(characters.length + instances.length > 0, id);
     await set_mode(page, 'Simulate');
     await page.keyboard.press('Space');
     await until(page, async () => (await hook(page, 'transport()')).simulated > (id === 'band' ? 0.01 : 0.1), `the simulation of ${id}`, 180000);
