@@ -1,5 +1,5 @@
-// Tests of nested scenarios: their JSON form, what is refused, and that a flattened document does what the same document written by hand
-// does, bit by bit.
+// Tests of nested scenarios: their JSON form, the documents that are refused, and that runs of a flattened document and of the same
+// document written by hand have equal bits.
 
 #include "ugoki/content/flatten.h"
 #include "command_fixture.h"

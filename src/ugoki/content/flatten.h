@@ -30,7 +30,7 @@ inline constexpr std::size_t max_flattened = 20'000;
 /// the chain), too many items, torque-oriented motions that are moved. @param root location of the document
 void check_instances(const Scenario& document, const std::string& root, Error& problems);
 
-/// Place in the world of what has the place `p` in a scenario that is placed at `frame`.
+/// Returns the place in the world of an item whose place in its scenario is `p`. @param frame place of the scenario
 [[nodiscard]] ScenarioPlace compose(const ScenarioPlace& frame, const ScenarioPlace& p);
 
 /// Shifts the times of a scenario's own items and instances by `start` [s] and moves them by `place`.

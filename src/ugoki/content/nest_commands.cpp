@@ -418,7 +418,7 @@ std::string remove_scenario(Fields& f, const NestTarget& target) {
 }
 
 void remove_dangling(Scenario& document) {
-  for (bool changed = true; changed;) {  // what is removed from one scenario may be named in another one
+  for (bool changed = true; changed;) {  // another scenario may name an item that was just removed
     changed = false;
     for_each_scenario(document, [&](Scenario& s) {
       const Order order = order_of(document, s);

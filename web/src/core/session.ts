@@ -49,9 +49,7 @@ export class Session {
   /** Playback speed chosen while paused; sent to the service by the next `play`. */
   private wanted_speed: number | null = null;
   private pending_edits = 0;
-  /**
-   * The document expected after the newest circuit edit. If the service confirms the same changes, it is used without applying them again.
-   */
+  /** The document expected after the newest circuit edit. If the service confirms the same changes, it is used without applying them again. */
   private expected_edit: { from: number; changes: string; document: ScenarioDocument } | null = null;
   private next_id = 1;
   private readonly moves = new UnconfirmedMoves(() => this.seeks.waiting, (time) => this.move_to(time));
@@ -121,8 +119,8 @@ export class Session {
     this.expected_edit = command.type === 'circuit.edit' && base === document ? { from: revision, changes: JSON.stringify(command.changes), document: shown } : null;
     this.pending_edits++;
     try {
-      const scenario = this.state.open.at(-1);
-      await this.client.request({ op: 'command', command, ...(scenario === undefined ? {} : { scenario }) });
+      const { open } = this.state; // inner scenarios
+      await this.client.request({ op: 'command', command, ...(open.length > 0 ? { scenario: open.at(-1)! } : {}) });
       this.pending_edits--;
       if (this.state.revision !== revision) this.drop_preview();
       else this.drop_preview_soon();
@@ -328,17 +326,6 @@ export class Session {
     if (this.state.connection !== 'open') return;
     const request = this.watches.change(this.state.view.closest);
     if (request) this.client.request(request).catch(() => this.watches.forget());
-  }
-
-  // ---- nested scenarios ----
-
-  /**
-   * Shows another scenario: the last one of these inner scenarios, or the outermost one.
-   * @param time playhead in that scenario, s
-   */
-  async enter(path: readonly string[], time: number): Promise<void> {
-    this.select({ kind: 'none' });
-    if (await this.request({ op: 'enter', path })) this.seek(time);
   }
 
   // ---- breakpoints: the service owns the list; each change sends the whole list ----

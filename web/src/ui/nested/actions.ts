@@ -3,6 +3,20 @@ import { content_end, with_room, type Command, type ScenarioInstance } from '../
 import { find_instance, find_scenario, nest_name, selected_tracks } from '../../core/nested';
 import { session } from '../app';
 
+/**
+ * Shows another scenario: the last one of these inner scenarios, or the outermost one.
+ * @param time playhead in that scenario, s
+ */
+async function enter(path: readonly string[], time: number): Promise<void> {
+  session.select({ kind: 'none' });
+  try {
+    await session.ask({ op: 'enter', path });
+    session.seek(time);
+  } catch (error) {
+    session.fail(error as Error);
+  }
+}
+
 /** Moves the selected tracks to a new inner scenario, and selects its instance. */
 export async function nest_selection(): Promise<void> {
   const { document, selection } = session.state;
@@ -30,20 +44,20 @@ export function open_instance(instance: ScenarioInstance): void {
   const { open, document } = session.state;
   const length = (document && find_scenario(document, instance.scenario)?.duration) ?? Infinity;
   entered[open.length] = instance.start;
-  void session.enter([...open, instance.scenario], Math.min(length, Math.max(0, session.now - instance.start)));
+  void enter([...open, instance.scenario], Math.min(length, Math.max(0, session.now - instance.start)));
 }
 
-/** Shows an inner scenario from its begin. */
+/** Shows an inner scenario from its beginning. */
 export function open_scenario(scenario: string): void {
   entered[session.state.open.length] = 0;
-  void session.enter([...session.state.open, scenario], 0);
+  void enter([...session.state.open, scenario], 0);
 }
 
 /** Returns to the scenario at this level of the open ones; 0: the outermost one. */
 export function leave_to(level: number): void {
   const { open } = session.state;
   const shift = open.slice(level).reduce((sum, _id, i) => sum + (entered[level + i] ?? 0), 0);
-  void session.enter(open.slice(0, level), session.now + shift);
+  void enter(open.slice(0, level), session.now + shift);
 }
 
 /** Adds an instance with these fields, makes room for it in time, and selects it. */
