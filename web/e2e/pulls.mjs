@@ -1,7 +1,7 @@
 // A journey: a pull in the simulation becomes an event of the scenario.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { document_of, set_mode, text_of, until } from './browser.mjs';
+import { blur, document_of, painted, rested, set_mode, text_of, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no simulation';
@@ -16,29 +16,36 @@ export const pull_journeys = [
       const before = await text_of(page);
       const human = JSON.parse(before).characters.find((c) => c.track.length > 0 && c.control.mode === 'track');
       await set_mode(page, 'Simulate');
+      await blur(page);
+      await page.keyboard.press('Shift+R'); // the simulation of the journey before may contain pulls
       await page.getByRole('combobox', { name: 'Playback speed' }).selectOption('0.1');
       await page.keyboard.press('Control+Home');
       await until(page, async () => (await hook(page, 'frame()')).time < 0.05, 'the start');
       await page.locator('.transport').getByRole('button', { name: 'Play' }).click();
       await until(page, async () => (await hook(page, 'frame()')).simulate && (await hook(page, 'frame()')).time > 0.2, 'the simulation to run');
       await page.locator('.viewport > canvas').hover();
-      await page.keyboard.press('a'); // the view of the journey before may not contain the hand
       const hand = await hook(page, `link_index(${JSON.stringify(human.id)}, 'hand right')`);
+      const label = page.locator('.link-label').filter({ hasText: /^right hand$/i });
+      // a view in which nothing covers the hand
+      const views = ['a', '0', '1', '9', '3', '9'];
       let point;
-      const grabbed = async () => {
-        for (let tries = 0; tries < 40; tries++) {
-          if ((await hook(page, 'frame()')).grabbing) return true;
-          await page.waitForTimeout(50);
-        }
-        return false;
-      };
       for (let attempt = 0; ; attempt++) {
-        point = await until(page, () => hook(page, `link_on_screen(${JSON.stringify(human.id)}, ${hand})`), 'the hand in view');
+        assert.ok(attempt < 24, 'a press grabs the hand');
+        await page.keyboard.press(views[attempt % views.length]);
+        await rested(page);
+        point = await hook(page, `link_on_screen(${JSON.stringify(human.id)}, ${hand})`);
+        if (!point) continue;
         await page.mouse.move(point.x, point.y);
+        await painted(page);
+        if (!(await label.isVisible())) continue;
         await page.mouse.down();
-        if (await grabbed()) break;
+        let grabbed = false;
+        for (let tries = 0; tries < 40 && !grabbed; tries++) {
+          await page.waitForTimeout(50);
+          grabbed = (await hook(page, 'frame()')).grabbing;
+        }
+        if (grabbed) break;
         await page.mouse.up();
-        assert.ok(attempt < 12, 'the press grabbed the character');
       }
       for (let i = 1; i <= 8; i++) {
         await page.mouse.move(point.x + 14 * i, point.y - 18 * i);

@@ -95,6 +95,8 @@ export const push_journeys = [
         return JSON.parse(service.run(['run', project, '--steps', String(steps), '--json']).stdout).state_hash;
       };
       await set_mode(page, 'Simulate');
+      await blur(page);
+      await page.keyboard.press('Shift+R'); // the simulation of the journey before may contain pulls
       await to_start();
       await page.keyboard.press('Space');
       await until(page, async () => (await transport()).simulated > push.time + 0.5, 'the push', 120000);

@@ -5,7 +5,7 @@
 // The viewport is drawn at a low resolution, because Chromium draws with the processor; with UGOKI_PICTURES=1 at full resolution, for people
 // who look at the pictures in out/.
 // Environment: UGOKI_BIN, UGOKI_CHROMIUM, UGOKI_MOCK=1, UGOKI_PICTURES=1.
-import { launch, ready } from './browser.mjs';
+import { blur, launch, ready, set_mode } from './browser.mjs';
 import { closing, groups, opening } from './journeys.mjs';
 import { available, program, start_service } from './service.mjs';
 
@@ -41,6 +41,11 @@ async function recover(page, before, folder) {
     await page.locator('.project-name', { hasText: project }).waitFor({ timeout: 30000 });
     await page.waitForTimeout(1000);
   }
+  // pulls and keys of the failed journey stay in the recording of the simulation
+  await set_mode(page, 'Simulate');
+  await blur(page);
+  await page.keyboard.press('Shift+R');
+  await set_mode(page, 'Edit');
   await tidy(page); // the journey may have left another panel on top, which a reload keeps
   for (let undone = 0; undone < 50 && (await document_of(page)) !== before; undone++) {
     if (!(await page.evaluate('window.ugoki.undo().can_undo'))) break;

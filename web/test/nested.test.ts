@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { apply_command, content_end, is_left_out, type ScenarioDocument } from '../src/core/document';
-import { character_choices, characters_of, count_instances, instance_of, nest_name, selected_tracks, selection_of_character, toggle_track, tracks_selection } from '../src/core/nested';
+import { character_choices, characters_of, count_instances, instance_of, nameable_characters, nest_name, selected_tracks, selection_of_character, toggle_track, tracks_selection } from '../src/core/nested';
 import { valid_selection } from '../src/core/state';
 import { snap_targets } from '../src/core/timeline';
 import { sample_document } from './sample';
@@ -54,11 +54,22 @@ describe('nested scenarios', () => {
   });
   it('lists the characters and counts the instances of a scenario', () => {
     const doc = nested();
-    expect(characters_of(doc, 'group')).toEqual([{ name: 'Inner / Ann', color: '#112233' }]);
+    const first = doc.characters[0]!;
+    expect(characters_of(doc, 'group')).toEqual([{ ...first, id: `d/${first.id}`, name: 'Inner / Ann', color: '#112233' }]);
     expect(count_instances(doc, 'duet', [])).toBe(3);
     expect(count_instances(doc, 'group', [])).toBe(0);
-    const played = [{ id: 'duet.1/human', name: 'Duet 1 / Ann', mechanism: 'm', links: 1, look: {} }, { id: 'human', name: 'Human', mechanism: 'm', links: 1 }];
-    expect(character_choices(doc, played).at(-1)).toEqual(['duet.1/human', 'Duet 1 / Ann']);
+  });
+  it('offers the characters of instances to events and rules, by their paths', () => {
+    const doc = nested();
+    const { id } = doc.characters[0]!;
+    expect(nameable_characters(doc).slice(-2).map((c) => [c.id, c.name, c.track])).toEqual([
+      [`duet.1/${id}`, 'Duet 1 / Ann', doc.characters[0]!.track],
+      [`duet.2/${id}`, 'Duet 2 / Ann', doc.characters[0]!.track],
+    ]);
+    doc.instances![1]!.scenario = 'group';
+    expect(character_choices(doc).at(-1)).toEqual([`duet.2/d/${id}`, 'Duet 2 / Inner / Ann']);
+    doc.scenarios![1]!.instances![0]!.scenario = 'group'; // a damaged document
+    expect(character_choices(doc).length).toBe(doc.characters.length + 1);
   });
   it('snaps to instances, ends with the last one, and leaves characters out if an instance is solo', () => {
     const doc = nested();

@@ -1,6 +1,7 @@
 #include "ugoki/studio/channel.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -172,6 +173,11 @@ std::optional<ChannelMessage> Channel::receive() {
   if (!receive_all(fd_, message.text.data(), size)) return std::nullopt;
   if (attached.get() >= 0 && !read_block(attached.get(), message.block)) return std::nullopt;
   return message;
+}
+
+bool Channel::other_end_closed() const {
+  pollfd socket{fd_, 0, 0};
+  return ::poll(&socket, 1, 0) > 0 && (socket.revents & POLLHUP) != 0;
 }
 
 void Channel::shut() {

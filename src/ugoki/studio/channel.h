@@ -40,6 +40,8 @@ class Channel {
   bool send(std::string_view text, std::span<const std::byte> block = {});
   /// Waits for the next message. Returns nullopt if the other end is closed or the message cannot be read.
   [[nodiscard]] std::optional<ChannelMessage> receive();
+  /// Returns true if the other end is closed: its process has ended or is ending.
+  [[nodiscard]] bool other_end_closed() const;
   /// Shuts down both directions; a waiting receive() returns.
   void shut();
 

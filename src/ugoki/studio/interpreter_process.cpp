@@ -111,7 +111,7 @@ InterpreterProcess::~InterpreterProcess() {
 }
 
 void InterpreterProcess::kill_unanswering() {
-  unanswering_ = true;
+  if (!control_.other_end_closed()) unanswering_ = true;  // a process that has closed its end has ended: its signal is the cause
   control_.shut();
 }
 
@@ -176,7 +176,7 @@ Problem InterpreterProcess::wait_for_end() {
   if (replaced_) return missing("replaced its process by another program (exec), which was ended");
   if (stopped) return missing("stopped its process (SIGSTOP)");
   // on a loaded machine a crash can be recorded only after the time to respond is over: the signal is the cause
-  const bool crashed = ended && got == pid_ && WIFSIGNALED(status) && WTERMSIG(status) != SIGKILL;
+  const bool crashed = ended && got == pid_ && WIFSIGNALED(status);
   if (unanswering_ && !crashed) return missing("stopped responding and was ended");
   if (got == pid_ && WIFSIGNALED(status))
     return missing("ended its process (signal " + std::to_string(WTERMSIG(status)) + ", " + strsignal(WTERMSIG(status)) + ")");

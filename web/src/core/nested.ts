@@ -1,6 +1,5 @@
 /** Nested scenarios: an instance places an inner scenario, whose characters the service names "instance/character". */
 import type { Character, InnerScenario, ScenarioDocument, ScenarioInstance } from './document';
-import type { CharacterInfo } from './protocol';
 import { items_of } from './items';
 import type { Selection } from './state';
 
@@ -63,18 +62,23 @@ export function count_instances(doc: ScenarioDocument, scenario: string, open: r
   return inner + (open.length === 0 ? count(doc.instances) : 0);
 }
 
-/** The characters of an instance, with those of the scenarios inside: name and colour. */
-export function characters_of(doc: ScenarioDocument, scenario: string, depth = 0): { name: string; color: string }[] {
+const inside = (instance: ScenarioInstance) => (c: Character): Character => ({ ...c, id: `${instance.id}/${c.id}`, name: `${instance.name} / ${c.name}` });
+
+/** The characters of an inner scenario, with those of the scenarios inside, whose ids and names are paths from it. */
+export function characters_of(doc: ScenarioDocument, scenario: string, depth = 0): Character[] {
   const inner = find_scenario(doc, scenario);
   if (!inner || depth > 16) return [];
-  return [
-    ...inner.characters.map((c: Character) => ({ name: c.name, color: c.color ?? '#e6e6ea' })),
-    ...(inner.instances ?? []).flatMap((i) => characters_of(doc, i.scenario, depth + 1).map((c) => ({ ...c, name: `${i.name} / ${c.name}` }))),
-  ];
+  return [...inner.characters, ...(inner.instances ?? []).flatMap((i) => characters_of(doc, i.scenario, depth + 1).map(inside(i)))];
 }
 
-/** Id and name of every character that events and rules can name, also of those in instances. */
-export const character_choices = (doc: ScenarioDocument, played: readonly CharacterInfo[]): [string, string][] => [
-  ...doc.characters.map((c): [string, string] => [c.id, c.name]),
-  ...played.filter((c) => c.look).map((c): [string, string] => [c.id, c.name]),
+/** Every character that events and rules of the document can name: its own, and those of instances, whose ids and names are paths. */
+export const nameable_characters = (doc: ScenarioDocument): Character[] => [
+  ...doc.characters,
+  ...(doc.instances ?? []).flatMap((i) => characters_of(doc, i.scenario).map(inside(i))),
 ];
+
+/** The document with all nameable characters in the list of its characters, to read from only. */
+export const with_nameable = (doc: ScenarioDocument): ScenarioDocument => (doc.instances?.length ? { ...doc, characters: nameable_characters(doc) } : doc);
+
+/** Id and name of every character that events can name. */
+export const character_choices = (doc: ScenarioDocument): [string, string][] => nameable_characters(doc).map((c) => [c.id, c.name]);

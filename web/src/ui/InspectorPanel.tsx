@@ -6,7 +6,7 @@ import { describe_items, items_span, move_items, type Item } from '../core/items
 import { format_label } from '../core/format';
 import { link_position } from '../core/frames';
 import { describe_entry, format_length, format_mass } from '../core/library/words';
-import { character_choices, find_instance } from '../core/nested';
+import { character_choices, find_instance, nameable_characters } from '../core/nested';
 import type { LibraryEntry, MechanismData, Vec3 } from '../core/protocol';
 import { shown_document } from '../core/state';
 import { find_variable } from '../core/variables';
@@ -221,8 +221,7 @@ function VectorFields({ label, value, unit, step, on_commit }: { label: string; 
 
 function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocument }): ReactElement {
   const set = (fields: Partial<Omit<ScenarioEvent, 'id' | 'type'>>): Command => ({ type: 'event.set', id: event.id, event: fields });
-  const played = useStudio((s) => s.characters);
-  const character = event.character ? (find_character(doc, event.character) ?? played.find((c) => c.id === event.character)) : undefined;
+  const character = event.character ? nameable_characters(doc).find((c) => c.id === event.character) : undefined;
   const mechanism = useStudio((s) => (character ? s.mechanisms[character.mechanism] : undefined));
   return (
     <>
@@ -230,7 +229,7 @@ function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocume
         Event <span className="of">{event.type}</span>
       </h3>
       <NumberField label="Time" unit="s" value={event.time} step={0.01} min={0} title="Time in the scenario at which the event starts" on_preview={(v) => preview(v === null ? null : set({ time: v }))} on_commit={(time) => send(set({ time }))} />
-      <ChoiceField label="Character" value={event.character ?? ''} choices={character_choices(doc, played)} on_commit={(id) => send(set({ character: id }))} />
+      <ChoiceField label="Character" value={event.character ?? ''} choices={character_choices(doc)} on_commit={(id) => send(set({ character: id }))} />
       {event.type === 'push' && (
         <>
           <NumberField label="Duration" unit="s" value={event.duration ?? 0.2} step={0.01} min={0.001} title="Time for which the force acts" on_commit={(duration) => send(set({ duration }))} />
@@ -284,8 +283,7 @@ const link_choices = (mechanism: MechanismData): [string, string][] => mechanism
 
 /** What a grab grips, where, and when it opens. */
 function GrabFields({ event, doc, set }: { event: ScenarioEvent; doc: ScenarioDocument; set: (fields: Partial<Omit<ScenarioEvent, 'id' | 'type'>>) => Command }): ReactElement {
-  const played = useStudio((s) => s.characters);
-  const find = (id: string): { id: string; mechanism: string } | undefined => find_character(doc, id) ?? played.find((c) => c.id === id);
+  const find = (id: string): Character | undefined => nameable_characters(doc).find((c) => c.id === id);
   const other = event.other ? find(event.other) : undefined;
   const mechanism = useStudio((s) => (other ? s.mechanisms[other.mechanism] : undefined));
   const grip = (id: string): void => {
@@ -296,7 +294,7 @@ function GrabFields({ event, doc, set }: { event: ScenarioEvent; doc: ScenarioDo
   return (
     <>
       <h4>Grip</h4>
-      <ChoiceField label="Grips" value={event.other ?? ''} choices={[['', 'the world'], ...character_choices(doc, played)]} title="What the link grips" on_commit={grip} />
+      <ChoiceField label="Grips" value={event.other ?? ''} choices={[['', 'the world'], ...character_choices(doc)]} title="What the link grips" on_commit={grip} />
       {mechanism && <ChoiceField label="Its link" value={event.other_link ?? ''} choices={link_choices(mechanism)} on_commit={(other_link) => send(set({ other_link }))} />}
       <ChoiceField
         label="Where"

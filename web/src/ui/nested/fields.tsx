@@ -41,7 +41,7 @@ export function InstanceFields({ instance, doc }: { instance: ScenarioInstance; 
       <ul className="member-list" aria-label="Characters">
         {characters.map((c, i) => (
           <li key={i}>
-            <span className="dot" style={{ background: c.color }} />
+            <span className="dot" style={{ background: c.color ?? '#e6e6ea' }} />
             {c.name}
           </li>
         ))}

@@ -4,6 +4,7 @@ import { action_character, character_for_rule, choice_path, new_condition, rule_
 import { keep_wired, wired_rules, type WiredRule } from '../../core/circuit_rules';
 import { variable_pin } from '../../core/variables';
 import type { ScenarioDocument } from '../../core/document';
+import { with_nameable } from '../../core/nested';
 import { selected_character, shown_document } from '../../core/state';
 import { run } from '../actions';
 import { page, session, useLibrary, useStudio } from '../app';
@@ -37,7 +38,9 @@ function use_pins(pins: readonly string[]): number[] {
 }
 
 export function RulesPanel(): ReactElement {
-  const doc = useStudio(shown_document);
+  const scenario = useStudio(shown_document);
+  // rules can name the characters of nested scenarios, too
+  const doc = useMemo(() => scenario && with_nameable(scenario), [scenario]);
   const selection = useStudio((s) => s.selection);
   const preferred = useStudio(selected_character);
   const generated = useStudio((s) => s.generated);

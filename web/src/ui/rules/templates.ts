@@ -1,6 +1,7 @@
 /** New rules that the menu of the rules panel offers. */
 import type { Command } from '../../core/document';
 import { character_for_rule, new_condition, variable_action, variable_condition, type Rule } from '../../core/rules';
+import { instance_of, with_nameable } from '../../core/nested';
 import { selected_character } from '../../core/state';
 import { new_variable } from '../../core/variables';
 import { parts, session } from '../app';
@@ -18,8 +19,10 @@ export const rule_templates = [
 
 /** Adds a rule of a template for the selected character, shows the rules panel, and selects the rule. */
 export function add_rule(template: (typeof rule_templates)[number]['id']): void {
-  const { document } = session.state;
-  const character = document && character_for_rule(document, selected_character(session.state) ?? undefined);
+  const document = session.state.document && with_nameable(session.state.document);
+  const { selection } = session.state;
+  const nested = selection.kind === 'instance' ? document?.characters.find((c) => instance_of(c.id) === selection.instance)?.id : undefined;
+  const character = document && character_for_rule(document, selected_character(session.state) ?? nested);
   if (!document || !character) return;
   if (template === 'near' && document.characters.length < 2) return session.notify('A distance needs two characters. Add another one first.');
   const motion = character.track[0]?.motion;
