@@ -1,7 +1,7 @@
 // A journey: a pull in the simulation becomes an event of the scenario.
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
-import { blur, document_of, painted, rested, set_mode, text_of, until } from './browser.mjs';
+import { blur, document_of, painted, set_mode, text_of, until } from './browser.mjs';
 import { mock } from './service.mjs';
 
 const skip = mock && 'the mock service has no simulation';
@@ -32,7 +32,7 @@ export const pull_journeys = [
       for (let attempt = 0; ; attempt++) {
         assert.ok(attempt < 24, 'a press grabs the hand');
         await page.keyboard.press(views[attempt % views.length]);
-        await rested(page);
+        await page.waitForTimeout(900); // the camera never rests while it follows the character
         point = await hook(page, `link_on_screen(${JSON.stringify(human.id)}, ${hand})`);
         if (!point) continue;
         await page.mouse.move(point.x, point.y);
