@@ -161,4 +161,41 @@ export const nested_journeys = [
     },
     skip,
   },
+  {
+    name: 'nested: a rule names a character of an instance, and acts on it',
+    async run({ page }) {
+      const before = await begin(page);
+      const [first] = await nest_two(page);
+      const [{ id: instance }] = await instances(page);
+      const body = `${instance}/${first}`;
+      await page.getByRole('tab', { name: 'Rules' }).click();
+      await page.getByRole('button', { name: 'While a key is held, play…' }).click();
+      const rule = await until(page, async () => (await document_of(page)).rules?.[0], 'the rule');
+      assert.equal(rule.do.character.split('/')[0], instance, 'the rule acts on the selected instance');
+      const who = page.locator('.rule').first().getByLabel('Character of the action', { exact: true });
+      const offered = await who.locator('option').allTextContents();
+      assert.equal(offered.filter((name) => name.startsWith('Duet 1 / ')).length, 2, `the characters of the instance: ${offered}`);
+      await page.locator('.rule').first().getByRole('button', { name: /^Key / }).click();
+      await page.keyboard.press('j');
+      await until(page, async () => (await document_of(page)).rules[0].if[0].key === 'KeyJ', 'the key');
+      if (rule.do.character !== body) {
+        await who.selectOption(body);
+        await until(page, async () => (await document_of(page)).rules[0].do.character === body, 'the other character');
+      }
+      await clean_in_both_themes(page, 'nested-rule');
+
+      await set_mode(page, 'Simulate');
+      await page.getByRole('button', { name: /^Play controls/ }).click({ timeout: 20000 });
+      const active = (wanted) => until(page, async () => (await page.locator('.rule').first().getAttribute('data-active')) === wanted, `an active rule: ${wanted}`);
+      await active('false');
+      await page.keyboard.down('j');
+      await active('true');
+      await page.keyboard.up('j');
+      await active('false');
+      await page.keyboard.press('Escape');
+      await set_mode(page, 'Edit');
+      await undo_to(page, before);
+    },
+    skip,
+  },
 ];
