@@ -21,7 +21,7 @@ class UgokiWorld final : public StepWorld {
       : source_(source),
         ground_{.height = 0, .friction = source.friction, .restitution = 0},
         scene_(source.mechanisms, ground_, {.self_collision = true}),
-        shared_(scene_.systems()),
+        shared_(dynamics::make_scene_kinematics(scene_.systems())),
         search_(scene_, margin),
         stepper_(source.mechanisms, {.gravity = {0, 0, -source.gravity}}),
         guard_scene_(source.mechanisms, ground_),
@@ -46,8 +46,9 @@ class UgokiWorld final : public StepWorld {
       motions_.push_back({x.q, x.v});
       systems_.push_back({x.q, x.v, x.tau, {}, gains_[s], targets_[s]});
     }
-    search_.set_shared_poses(&shared_);
-    guard_.set_shared_poses(&shared_);
+    search_.set_shared_kinematics(shared_);
+    stepper_.set_shared_kinematics(&shared_);
+    guard_.set_shared_kinematics(&shared_);
   }
 
   void step() override {
@@ -117,7 +118,7 @@ class UgokiWorld final : public StepWorld {
   const StepSource& source_;
   collision::Ground ground_;
   collision::Scene scene_;
-  contact::SharedPoses shared_;
+  dynamics::SceneKinematics shared_;
   contact::ContactSearch search_;
   contact::Stepper stepper_;
   collision::Scene guard_scene_;

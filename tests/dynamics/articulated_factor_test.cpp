@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "random_mechanism.h"
 #include "ugoki/dynamics/dynamics.h"
+#include "ugoki/dynamics/kernels.h"
 
 namespace ugoki::dynamics {
 namespace {
@@ -76,6 +78,29 @@ TEST(ArticulatedFactor, AgreesWithTheSparseFactor) {
       expected[k] = sum;
     }
     expect_near(change, expected, tolerance, "velocity change");
+  }
+}
+
+TEST(ArticulatedFactor, HasTheSameBitsForAllSimdWidths) {
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    Case c(seed);
+    const std::size_t n = c.extra.size();
+    const std::vector<double> x = c.vector();
+    const Vec6 wrenches[3] = {{c.random.vec(1), c.random.vec(1)}, {c.random.vec(1), c.random.vec(1)}, {c.random.vec(1), c.random.vec(1)}};
+    std::vector<double> first;
+    for (const SimdWidth width : {SimdWidth::plain, SimdWidth::avx2, SimdWidth::avx512}) {
+      if (!use_simd(width)) continue;
+      ASSERT_LT(c.by_bodies->factor(*c.ws, c.extra), 0);
+      std::vector<double> results = x, change(n, 0.5), y(4 * n);
+      c.by_bodies->solve(results);
+      c.by_bodies->add_whitened(x, change);
+      c.by_bodies->whiten_wrenches(static_cast<int>(n) - 1, wrenches, y.data());
+      for (const std::vector<double>& more : {change, y}) results.insert(results.end(), more.begin(), more.end());
+      for (std::size_t k = 0; k < n; ++k) results.push_back(c.by_bodies->pivot(k));
+      if (width == SimdWidth::plain) first = results;
+      EXPECT_EQ(std::memcmp(results.data(), first.data(), first.size() * sizeof(double)), 0) << "seed " << seed;
+    }
+    use_simd(widest_simd());
   }
 }
 

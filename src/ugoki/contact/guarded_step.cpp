@@ -51,7 +51,7 @@ constexpr std::uint64_t feature_mask = (1U << 24) - 1, first_feature = 0xf00000,
 }  // namespace
 
 GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const GuardOptions& options)
-    : scene_(&scene), stepper_(&stepper), options_(options), workspace_(scene), search_(scene), swept_(scene), end_(scene.systems()) {
+    : scene_(&scene), stepper_(&stepper), options_(options), workspace_(scene), search_(scene), swept_(scene) {
   UGOKI_CHECK(scene.systems().size() == static_cast<std::size_t>(stepper.system_count()));
   for (const MechanismPtr& m : scene.systems()) {
     const auto links = static_cast<std::size_t>(m->link_count());
@@ -60,15 +60,15 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
       states->v.emplace_back(static_cast<std::size_t>(m->nv()));
     }
     size_.resize(size_.size() + links);
+    end_.emplace_back(*m);
   }
-  for (const auto& poses : end_.X_WB) views_.emplace_back(poses);
+  for (const dynamics::KinematicsAt& end : end_) views_.emplace_back(end.kinematics.X_WB);
   moved_.resize(views_.size());
   may_pass_.resize(views_.size());
   half_thickness_.assign(size_.size(), HUGE_VAL);
-  speeds_.resize(size_.size());
   motions_.resize(views_.size());
   first_link_ = {0};
-  for (const auto& poses : end_.X_WB) first_link_.push_back(first_link_.back() + poses.size());
+  for (const std::span<const Pose> poses : views_) first_link_.push_back(first_link_.back() + poses.size());
   for (const collision::SceneShape& s : scene.shapes()) {
     const std::size_t link = first_link_[static_cast<std::size_t>(s.system)] + static_cast<std::size_t>(s.link);
     size_[link] = std::max(size_[link], norm(s.shape.X_BS.p) + s.reach);
@@ -80,10 +80,13 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
   forces_.reserve(12 * scene.shapes().size() + 64);
 }
 
-/// Calculates the poses of one system at the end of the pass.
-void GuardedStep::set_end(std::size_t s, std::span<const double> q) {
-  calc_poses(stepper_->mechanism(static_cast<int>(s)), q, end_.X_WB[s]);
-  std::ranges::copy(q, end_.q[s].begin());
+/// Calculates the kinematics of one system at the end of the pass.
+void GuardedStep::set_end(std::size_t s, const StepSystem& system) {
+  const Mechanism& m = stepper_->mechanism(static_cast<int>(s));
+  dynamics::KinematicsAt& end = end_[s];
+  dynamics::update_kinematics(m, system.q, system.v, end.kinematics);
+  std::ranges::copy(system.q, end.q.begin());
+  std::ranges::copy(system.v, end.v.begin());
 }
 
 /// Calculates the poses at the end of the pass, and marks in moved_ the systems whose end positions must be checked for overlaps, and in
@@ -96,14 +99,15 @@ void GuardedStep::update_end_poses(std::span<const StepSystem> systems, double d
       return;
     }
     const std::span<const Pose> begin = stepper_->workspace(static_cast<int>(s)).X_WB;
-    set_end(s, systems[s].q);
+    set_end(s, systems[s]);
+    const std::span<const Pose> end = end_[s].kinematics.X_WB;
     double motion = 0;
-    for (std::size_t i = 0; i < end_.X_WB[s].size(); ++i, ++size) {
+    for (std::size_t i = 0; i < end.size(); ++i, ++size) {
       constexpr double inv_sqrt2 = 0.7071067811865476;  // |T - R| / sqrt(2): distance that a point at unit distance from the axis moves.
-      motion = std::max(motion, norm(end_.X_WB[s][i].p - begin[i].p) + inv_sqrt2 * turn_between(begin[i].R, end_.X_WB[s][i].R) * *size);
+      motion = std::max(motion, norm(end[i].p - begin[i].p) + inv_sqrt2 * turn_between(begin[i].R, end[i].R) * *size);
     }
     moved_[s] = motion > options_.depth ? 1 : 0;
-    may_pass_[s] = may_pass(s, systems[s].v, dt) ? 1 : 0;
+    may_pass_[s] = may_pass(s, dt) ? 1 : 0;
   });
 }
 
@@ -138,7 +142,7 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
       const int at = side == 0 ? c.system_a : c.system_b, link = side == 0 ? c.link_a : c.link_b;
       if (at < 0) continue;
       const auto l = static_cast<std::size_t>(link);
-      const Pose &now = stepper_->workspace(at).X_WB[l], &end = end_.X_WB[static_cast<std::size_t>(at)][l];
+      const Pose &now = stepper_->workspace(at).X_WB[l], &end = end_[static_cast<std::size_t>(at)].kinematics.X_WB[l];
       const double turn = turn_between(now.R, end.R);
       if (turn <= turned) continue;
       turned = turn;
@@ -203,7 +207,7 @@ StepReport GuardedStep::step_whole(std::span<StepSystem> systems, std::span<cons
     if (passes_ == 1) {
       for (std::size_t s = 0; s < systems.size(); ++s) views_[s] = stepper_->workspace(static_cast<int>(s)).X_WB;
       collision::begin_from(*scene_, views_, contacts, workspace_);
-      for (std::size_t s = 0; s < systems.size(); ++s) views_[s] = end_.X_WB[s];
+      for (std::size_t s = 0; s < systems.size(); ++s) views_[s] = end_[s].kinematics.X_WB;
     }
     update_end_poses(systems, dt);
     if (!add_overlaps(contacts, dt)) return report;
@@ -214,18 +218,13 @@ StepReport GuardedStep::step_whole(std::span<StepSystem> systems, std::span<cons
 }
 
 /// Whether a link of the system may pass through another: it moves by more than its half thickness. The motion is estimated from the
-/// velocities of the links at the beginning, plus a quarter for links that accelerate within the step.
-bool GuardedStep::may_pass(std::size_t s, std::span<const double> v, double dt) {
-  Vec6* const speeds = speeds_.data() + first_link_[s];
-  const dynamics::Workspace& ws = stepper_->workspace(static_cast<int>(s));
-  const std::span<const LinkPlace> links = stepper_->mechanism(static_cast<int>(s)).places();
+/// velocities of the links at the end of the pass, plus a quarter for links that are faster within the step.
+bool GuardedStep::may_pass(std::size_t s, double dt) const {
+  const dynamics::Kinematics& end = end_[s].kinematics;
   std::size_t at = first_link_[s];
-  for (std::size_t i = 0; i < links.size(); ++i, ++at) {
-    const LinkPlace& link = links[i];
-    Vec6& V = speeds[i];
-    V = link.parent >= 0 ? speeds[static_cast<std::size_t>(link.parent)] : Vec6{};
-    for (int k = link.v_index; k < link.v_index + link.nv; ++k) V += ws.S[static_cast<std::size_t>(k)] * v[static_cast<std::size_t>(k)];
-    const Vec3 origin = V.v + cross(V.w, ws.X_WB[i].p - ws.p0);
+  for (std::size_t i = 0; i < end.V.size(); ++i, ++at) {
+    const Vec6& V = end.V[i];
+    const Vec3 origin = V.v + cross(V.w, end.X_WB[i].p - end.p0);
     if (1.25 * dt * (norm(origin) + norm(V.w) * size_[at]) > half_thickness_[at]) return true;
   }
   return false;
@@ -241,7 +240,7 @@ double GuardedStep::find_passage(std::span<const StepSystem> systems, double dt)
 /// Sets near_ to the contacts of the present positions and to those that fast bodies reach within dt.
 void GuardedStep::find_contacts(std::span<const StepSystem> systems, double dt) {
   for (std::size_t s = 0; s < systems.size(); ++s) {
-    set_end(s, systems[s].q);
+    set_end(s, systems[s]);
     motions_[s] = {systems[s].q, systems[s].v};
   }
   collision::find_contacts(*scene_, views_, options_.margin, workspace_, near_);
@@ -307,9 +306,10 @@ StepReport GuardedStep::step_in_substeps(std::span<StepSystem> systems, std::spa
   return sum;
 }
 
-/// Gives the poses at the end of the step to shared_. Belongs at the end of a step: it exchanges the memory of end_.
+/// Leaves the kinematics at the end of the step in shared_. Belongs at the end of a step: it exchanges the memory of end_.
 void GuardedStep::share_end() {
-  if (shared_ != nullptr) shared_->exchange(end_);
+  if (shared_ == nullptr) return;
+  for (std::size_t s = 0; s < end_.size(); ++s) (*shared_)[s].exchange(end_[s]);
 }
 
 StepReport GuardedStep::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {

@@ -13,8 +13,12 @@ class SceneStep {
  public:
   SceneStep(const std::vector<MechanismPtr>& systems, const collision::Ground& ground, const StepperOptions& options);
 
-  /// See GuardedStep::set_shared_poses().
-  void set_shared_poses(SharedPoses* poses) { guard_.set_shared_poses(poses); }
+  /// Uses the kinematics in `shared`, which must outlive this object, and leaves those at the end of the step there. @param shared
+  /// [systems]
+  void set_shared_kinematics(dynamics::SceneKinematics& shared) {
+    stepper_.set_shared_kinematics(&shared);
+    guard_.set_shared_kinematics(&shared);
+  }
   /// Computes systems and islands on the threads of `executor`; null: on the calling thread. Both give the same bits.
   void set_executor(Executor* executor) { stepper_.set_executor(executor); }
 

@@ -40,7 +40,7 @@ SweptContacts::Side SweptContacts::side_at(int system, int link, std::span<const
   calc_poses(m, q, X);
   out.now = X_WB[s][static_cast<std::size_t>(link)];
   out.then = X[static_cast<std::size_t>(link)];
-  if (!kinematics_[s]) kinematics_[s] = std::make_unique<dynamics::Workspace>(m);
+  if (!kinematics_[s]) kinematics_[s] = std::make_unique<dynamics::Kinematics>(m);
   dynamics::update_kinematics(m, motion.q, motion.v, *kinematics_[s]);
   return out;
 }

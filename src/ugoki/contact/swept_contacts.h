@@ -57,7 +57,7 @@ class SweptContacts {
   std::vector<double> still_;  // [nv] zeros: velocities of systems whose impact is already found
   std::vector<double> q_;      // [nq] used by side_at(): coordinates of one system at the time of an impact
   std::vector<Pose> X_;        // [links] used by side_at(): poses of the links of this system at that impact
-  std::vector<std::unique_ptr<dynamics::Workspace>> kinematics_;  // [systems] null until the first impact of the system
+  std::vector<std::unique_ptr<dynamics::Kinematics>> kinematics_;  // [systems] null until the first impact of the system
   collision::ManifoldWorkspace work_;
   collision::Manifold points_;
 };

@@ -9,25 +9,60 @@ namespace ugoki::control {
 namespace {
 
 using Array6 = std::array<double, 6>;
+/// Two numbers in one SIMD register of every processor. Lanes do not affect each other.
+typedef double Two __attribute__((vector_size(16)));
+
+/// Newton's equation H x = b of the dual problem: H = 1 + sum g g^T / eps over the columns g that bear load, lower triangle. Row i is
+/// stored as pairs of entries; its last pair may contain one entry above the diagonal.
+struct NewtonEquation {
+  std::array<std::array<Two, 3>, 6> H{};
+  std::array<Two, 3> b{};
+
+  /// @param rest minus the gradient without the columns
+  explicit NewtonEquation(const Array6& rest) {
+    for (std::size_t i = 0; i < 6; ++i) {
+      H[i][i / 2][i % 2] = 1;
+      b[i / 2][i % 2] = rest[i];
+    }
+  }
+  /// Adds a column. @param pressed g . y @param stiffness 1 / eps
+  void add(const Vec6& g, double pressed, double stiffness) {
+    const Two pairs[3] = {{g.w.x, g.w.y}, {g.w.z, g.v.x}, {g.v.y, g.v.z}};
+    const double force = pressed * stiffness;
+    for (std::size_t p = 0; p < 3; ++p) b[p] -= pairs[p] * force;
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double scaled = pairs[i / 2][i % 2] * stiffness;
+      for (std::size_t p = 0; p <= i / 2; ++p) H[i][p] += pairs[p] * scaled;
+    }
+  }
+  [[nodiscard]] double entry(std::size_t i, std::size_t j) const { return H[i][j / 2][j % 2]; }
+};
 
 Array6 to_array(const Vec6& x) { return {x.w.x, x.w.y, x.w.z, x.v.x, x.v.y, x.v.z}; }
 Vec6 to_vec(const Array6& x) { return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }
 
-/// Solves the symmetric positive definite H x = b in place by Cholesky. @param H lower triangle, row by row
-void solve_spd(std::array<Array6, 6>& H, Array6& b) {
+/// Solves the symmetric positive definite H x = b by Cholesky.
+Array6 solve_equation(const NewtonEquation& equation) {
+  double L[6][6], inverse[6];  // factor of H, and the inverses of its diagonal
+  Array6 x;
   for (std::size_t i = 0; i < 6; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
-      double sum = H[i][j];
-      for (std::size_t k = 0; k < j; ++k) sum -= H[i][k] * H[j][k];
-      H[i][j] = i == j ? std::sqrt(sum) : sum / H[j][j];
+      double sum = equation.entry(i, j);
+      for (std::size_t k = 0; k < j; ++k) sum -= L[i][k] * L[j][k];
+      if (i == j)
+        inverse[i] = 1 / std::sqrt(sum);
+      else
+        L[i][j] = sum * inverse[j];
     }
-    for (std::size_t k = 0; k < i; ++k) b[i] -= H[i][k] * b[k];
-    b[i] /= H[i][i];
+    x[i] = equation.b[i / 2][i % 2];
+    for (std::size_t k = 0; k < i; ++k) x[i] -= L[i][k] * x[k];
+    x[i] *= inverse[i];
   }
   for (std::size_t i = 6; i-- > 0;) {
-    for (std::size_t k = i + 1; k < 6; ++k) b[i] -= H[k][i] * b[k];
-    b[i] /= H[i][i];
+    for (std::size_t k = i + 1; k < 6; ++k) x[i] -= L[k][i] * x[k];
+    x[i] *= inverse[i];
   }
+  return x;
 }
 
 }  // namespace
@@ -56,6 +91,7 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
     }
   }
   const Array6 w = to_array({wrench.w / lever, wrench.v});
+  const double stiffness = 1 / softness;
 
   // Minimize phi(y) = |y|^2 / 2 + |max(0, G^T y)|^2 / (2 eps) - w.y; then beta = max(0, G^T y) / eps, and the missing wrench is y. Symbols:
   // contact_forces.h.
@@ -65,7 +101,7 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
     const Vec6 yv = to_vec(y);
     for (std::size_t k = 0; k < columns_.size(); ++k) {
       const double b = pressed_[k] = dot(columns_[k], yv);
-      if (b > 0) value += 0.5 * b * b / softness;
+      if (b > 0) value += 0.5 * b * b * stiffness;
     }
     return value;
   };
@@ -77,27 +113,16 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
   double value = 0;
   bool exact = false;  // phi is quadratic between y and its minimum, so that a full Newton step has reached the minimum
   for (iterations_ = 0; iterations_ < 50 && !exact; ++iterations_) {
-    std::array<Array6, 6> H{};
-    Array6 descent;  // minus the gradient of phi
-    for (std::size_t i = 0; i < 6; ++i) {
-      H[i][i] = 1;
-      descent[i] = w[i] - y[i];
-    }
-    for (std::size_t k = 0; k < columns_.size(); ++k) {
-      if (loaded_[k] == 0) continue;
-      const double b = pressed_[k];
-      const Array6 g = to_array(columns_[k]);
-      for (std::size_t i = 0; i < 6; ++i) {
-        descent[i] -= g[i] * b / softness;
-        for (std::size_t j = 0; j <= i; ++j) H[i][j] += g[i] * g[j] / softness;
-      }
-    }
-    Array6 step = descent;
-    solve_spd(H, step);
+    Array6 rest;
+    for (std::size_t i = 0; i < 6; ++i) rest[i] = w[i] - y[i];
+    NewtonEquation equation(rest);
+    for (std::size_t k = 0; k < columns_.size(); ++k)
+      if (loaded_[k] != 0) equation.add(columns_[k], pressed_[k], stiffness);
+    const Array6 step = solve_equation(equation);
     double slope = 0, size = 0;
     for (std::size_t i = 0; i < 6; ++i) size += step[i] * step[i];
     if (size < 1e-18 * (1 + dot(to_vec(w), to_vec(w)))) break;
-    for (std::size_t i = 0; i < 6; ++i) slope -= descent[i] * step[i];
+    for (std::size_t i = 0; i < 6; ++i) slope -= equation.b[i / 2][i % 2] * step[i];
     double length = 1;
     for (int tries = 0; tries < 30; ++tries, length *= 0.5) {
       Array6 next;
@@ -120,7 +145,7 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
   for (std::size_t i = 0; i < supports.size(); ++i) {
     Vec3 force;
     for (std::size_t k = 4 * i; k < 4 * i + 4; ++k)
-      if (pressed_[k] > 0) force += edges_[k] * (pressed_[k] / softness);
+      if (pressed_[k] > 0) force += edges_[k] * (pressed_[k] * stiffness);
     forces[i] = force;
     missing -= Vec6{cross(supports[i].p - origin, force), force};
   }

@@ -219,7 +219,7 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
 
   // Supports: contact points that touch the ground and that are planted in the reference.
   const std::size_t root_dofs = floating_ ? 6 : 0;
-  dynamics::update_kinematics(m, in.q, in.v, ws);
+  dynamics::update_kinematics(m, in.q, in.v, in.kinematics, ws);
   const Vec3 from_reference = floating_ ? Vec3{in.q[0] - in.q_ref[0], in.q[1] - in.q_ref[1], in.q[2] - in.q_ref[2]} : Vec3{};
   lost_ =
       floating_ ? std::clamp((calc_departure(in, from_reference, state.shift) - options_.lost_from) / options_.lost_range, 0.0, 1.0) : 0;

@@ -15,6 +15,7 @@
 #include <span>
 #include <vector>
 
+#include "ugoki/dynamics/factor_kernels.h"
 #include "ugoki/dynamics/free_body_factor.h"
 #include "ugoki/dynamics/workspace.h"
 
@@ -22,8 +23,8 @@ namespace ugoki::dynamics {
 
 /// Scratch memory of the recursions. One object can serve the factors of several mechanisms, one after the other.
 struct FactorScratch {
-  std::vector<double> inertias;  ///< [inertias][36] articulated-body inertias: symmetric matrices, row by row
-  std::vector<double> sweep;     ///< [nv][6] forces or accelerations
+  std::vector<Eight> inertias;  ///< [inertias][6] rows of the articulated-body inertias: symmetric matrices
+  std::vector<Eight> sweep;     ///< [nv] forces or accelerations
 };
 
 /// Factor of the inertia matrix by articulated bodies. Allocates in its constructor only. O(nv) memory.
@@ -67,16 +68,10 @@ class ArticulatedFactor {
   [[nodiscard]] double inverse_pivot(std::size_t k) const { return closed_form_ ? body_->inverse_pivot(k) : dofs_[k].inverse; }
 
  private:
-  struct Dof {
-    double S[6], U[6];
-    double pivot, inverse, root;  // D, 1 / D, D^-1/2
-    int parent;                   // parent DOF; -1: base
-    int depth;                    // number of ancestors
-  };
-  std::vector<Dof> dofs_;
+  std::vector<FactorDof> dofs_;
   std::vector<int> first_link_, links_;  // links rigidly attached to each DOF: links_[first_link_[k]] to links_[first_link_[k + 1] - 1]
-  // A DOF that no link is attached to and that has one child, for example within a floating joint, shares the inertia of the child.
-  std::vector<int> inertia_of_;         // [nv] index in FactorScratch::inertias of each DOF
+  // A DOF that no link is attached to and that has one child, for example within a floating joint, shares the inertia of the child
+  // (FactorDof::inertia).
   std::vector<int> inertia_dof_;        // [inertias] DOF closest to the tips that uses the inertia
   std::optional<FreeBodyFactor> body_;  // empty: not one free body
   bool closed_form_ = false;            // the last factor is that of body_: nothing was added to the diagonal

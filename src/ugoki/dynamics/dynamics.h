@@ -31,13 +31,14 @@ void calc_inertia_rows(const Mechanism& m, Workspace& ws, std::span<const double
 
 // Staged functions: they use the results of update_kinematics() in `ws`.
 
-/// Computes poses, motion subspaces, velocities and inertias of all links into `ws`, for the functions below.
-void update_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, Workspace& ws);
+/// Computes poses, motion subspaces, velocities and inertias of all links into `k`, for the functions below. The poses have the same bits
+/// as those of calc_poses().
+void update_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, Kinematics& k);
 /// Computes pose, motion subspace and velocity of one link, and of those links between it and the base that are not known yet. Inertias
 /// are not computed. The values have the same bits as those of update_kinematics(). O(links of the path).
 /// @param known [links] not 0: the link is computed already, at the same q and v; the function sets the entries of links that it computes
 void update_path_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, int link, std::span<char> known,
-                            Workspace& ws);
+                            Kinematics& k);
 
 /// Joint forces that produce `vdot` (recursive Newton-Euler). O(links).
 /// @param vdot [nv]; empty: zero, then tau = b @param tau [nv, out] must not alias `vdot`
@@ -84,7 +85,7 @@ void solve(const Workspace& ws, std::span<double> x);
 void calc_point_jacobian(const Workspace& ws, int link, const Vec3& p_W, std::span<Vec3> rows);
 
 /// Velocity [m/s] of the point of `link` that is at the world position p_W.
-[[nodiscard]] Vec3 point_velocity(const Workspace& ws, int link, const Vec3& p_W);
+[[nodiscard]] Vec3 point_velocity(const Kinematics& k, int link, const Vec3& p_W);
 
 /// Kinetic energy of the links [J], without armature.
 [[nodiscard]] double kinetic_energy(const Mechanism& m, const Workspace& ws);

@@ -1,6 +1,18 @@
 #include "ugoki/dynamics/kernels.h"
 
+#include "ugoki/dynamics/factor_kernels.h"
+
 namespace ugoki::dynamics {
+
+namespace plain {
+extern const FactorKernels factor_table;
+}
+#ifdef UGOKI_X86_WIDTHS
+namespace avx2 {
+extern const FactorKernels factor_table;
+}
+#endif
+
 namespace {
 
 const Kernels* table_of(SimdWidth width) {
@@ -27,6 +39,13 @@ SimdWidth widest_simd() {
 const Kernels& kernels() {
   static const Kernels* const widest = table_of(widest_simd());
   return chosen != nullptr ? *chosen : *widest;
+}
+
+const FactorKernels& factor_kernels() {
+#ifdef UGOKI_X86_WIDTHS
+  if (&kernels() != &plain::table) return avx2::factor_table;
+#endif
+  return plain::factor_table;
 }
 
 bool use_simd(SimdWidth width) {

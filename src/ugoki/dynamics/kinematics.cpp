@@ -1,27 +1,28 @@
 #include "ugoki/base/check.h"
 #include "ugoki/dynamics/dynamics.h"
+#include "ugoki/mechanism/link_pose.h"
 
 namespace ugoki::dynamics {
 
 namespace {
 
 /// Pose, motion subspace, velocity and velocity-product acceleration of link i, from the pose and velocity of its parent.
-void update_link(const Mechanism& m, std::size_t i, std::span<const double> q, std::span<const double> v, Workspace& ws) {
+void update_link(const Mechanism& m, std::size_t i, std::span<const double> q, std::span<const double> v, Kinematics& out) {
   const Link& link = m.links()[i];
   const Joint& joint = link.joint;
   const double* qj = q.data() + link.q_index;
   const double* vj = v.data() + link.v_index;
   const bool based = link.parent >= 0;
   const auto parent = static_cast<std::size_t>(link.parent);
-  const Pose X_WJ = based ? ws.X_WB[parent] * joint.X_PJ : joint.X_PJ;
-  const Pose X_WB = X_WJ * joint_pose(joint, qj);
-  if (i == 0) ws.p0 = X_WB.p;
-  ws.X_WB[i] = X_WB;
-  const Vec3 r = X_WB.p - ws.p0;
+  const Pose X_WJ = based ? joint_frame_pose(out.X_WB[parent], joint.X_PJ) : joint.X_PJ;
+  const Pose X_WB = link_pose(X_WJ, joint, qj);
+  if (i == 0) out.p0 = X_WB.p;
+  out.X_WB[i] = X_WB;
+  const Vec3 r = X_WB.p - out.p0;
 
-  Vec6 V = based ? ws.V[parent] : Vec6{};
+  Vec6 V = based ? out.V[parent] : Vec6{};
   Vec6 C;
-  Vec6* S = ws.S.data() + link.v_index;
+  Vec6* S = out.S.data() + link.v_index;
   switch (joint.type) {
     case JointType::fixed: break;
     case JointType::revolute: {
@@ -56,49 +57,49 @@ void update_link(const Mechanism& m, std::size_t i, std::span<const double> q, s
       C = cross_motion(V, vJ) + X.motion_to_parent(joint_bias(joint, qj, vj));
     }
   }
-  ws.V[i] = V;
-  ws.C[i] = C;
+  out.V[i] = V;
+  out.C[i] = C;
 }
 
 /// update_link() for a mechanism that is one free body. The motion subspace is exact: rotation about the body's axes, translation along the
 /// joint's axes.
-void update_free_body(const Link& link, std::span<const double> q, std::span<const double> v, Workspace& ws) {
+void update_free_body(const Link& link, std::span<const double> q, std::span<const double> v, Kinematics& out) {
   const Mat3& T = link.joint.X_PJ.R;
-  const Pose X_WB = link.joint.X_PJ * joint_pose(link.joint, q.data());
-  ws.p0 = X_WB.p;
-  ws.X_WB[0] = X_WB;
+  const Pose X_WB = link_pose(link.joint.X_PJ, link.joint, q.data());
+  out.p0 = X_WB.p;
+  out.X_WB[0] = X_WB;
   for (int k = 0; k < 3; ++k) {
-    ws.S[static_cast<std::size_t>(k)] = {X_WB.R.column(k), {}};
-    ws.S[static_cast<std::size_t>(k) + 3] = {{}, T.column(k)};
+    out.S[static_cast<std::size_t>(k)] = {X_WB.R.column(k), {}};
+    out.S[static_cast<std::size_t>(k) + 3] = {{}, T.column(k)};
   }
   const Vec6 V{X_WB.R * Vec3{v[0], v[1], v[2]}, T * Vec3{v[3], v[4], v[5]}};
-  ws.V[0] = V;
-  ws.C[0] = {{}, -cross(V.w, V.v)};
-  ws.I[0] = {link.inertia.mass, X_WB.R * link.inertia.h, rotated(link.inertia.I, X_WB.R)};
+  out.V[0] = V;
+  out.C[0] = {{}, -cross(V.w, V.v)};
+  out.I[0] = {link.inertia.mass, X_WB.R * link.inertia.h, rotated(link.inertia.I, X_WB.R)};
 }
 
 }  // namespace
 
-void update_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, Workspace& ws) {
+void update_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, Kinematics& out) {
   UGOKI_CHECK(static_cast<int>(q.size()) == m.nq() && static_cast<int>(v.size()) == m.nv());
-  if (ws.X_WB.size() == 1 && m.link(0).joint.type == JointType::floating) return update_free_body(m.link(0), q, v, ws);
-  for (std::size_t i = 0; i < ws.X_WB.size(); ++i) {
-    update_link(m, i, q, v, ws);
-    ws.I[i] = m.links()[i].inertia.in_parent({ws.X_WB[i].R, ws.X_WB[i].p - ws.p0});
+  if (out.X_WB.size() == 1 && m.link(0).joint.type == JointType::floating) return update_free_body(m.link(0), q, v, out);
+  for (std::size_t i = 0; i < out.X_WB.size(); ++i) {
+    update_link(m, i, q, v, out);
+    out.I[i] = m.links()[i].inertia.in_parent({out.X_WB[i].R, out.X_WB[i].p - out.p0});
   }
 }
 
 void update_path_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, int link, std::span<char> known,
-                            Workspace& ws) {
+                            Kinematics& out) {
   UGOKI_CHECK(static_cast<int>(q.size()) == m.nq() && static_cast<int>(v.size()) == m.nv());
   UGOKI_CHECK(static_cast<int>(known.size()) == m.link_count());
-  if (known[0] == 0) update_link(m, 0, q, v, ws);  // all other links use the reference point p0
+  if (known[0] == 0) update_link(m, 0, q, v, out);  // all other links use the reference point p0
   known[0] = 1;
   while (known[static_cast<std::size_t>(link)] == 0) {
     int next = link;  // the unknown link of the path that is closest to the base
     for (int parent = m.link(next).parent; parent >= 0 && known[static_cast<std::size_t>(parent)] == 0; parent = m.link(next).parent)
       next = parent;
-    update_link(m, static_cast<std::size_t>(next), q, v, ws);
+    update_link(m, static_cast<std::size_t>(next), q, v, out);
     known[static_cast<std::size_t>(next)] = 1;
   }
 }
@@ -112,9 +113,9 @@ void calc_point_jacobian(const Workspace& ws, int link, const Vec3& p_W, std::sp
   }
 }
 
-Vec3 point_velocity(const Workspace& ws, int link, const Vec3& p_W) {
-  const Vec6& V = ws.V[static_cast<std::size_t>(link)];
-  return V.v + cross(V.w, p_W - ws.p0);
+Vec3 point_velocity(const Kinematics& k, int link, const Vec3& p_W) {
+  const Vec6& V = k.V[static_cast<std::size_t>(link)];
+  return V.v + cross(V.w, p_W - k.p0);
 }
 
 double kinetic_energy(const Mechanism& m, const Workspace& ws) {

@@ -12,7 +12,10 @@ constexpr std::size_t entry_limit = std::numeric_limits<int>::max();  // entries
 constexpr std::size_t max_initial_entries = 1'000'000;                // M and L then have 8 MB each; larger ones: allocated on first use
 }  // namespace
 
-Workspace::Workspace(const Mechanism& m) : program(m), twins(program) {
+Kinematics::Kinematics(const Mechanism& m)
+    : X_WB(static_cast<std::size_t>(m.link_count())), S(static_cast<std::size_t>(m.nv())), V(X_WB.size()), C(X_WB.size()), I(X_WB.size()) {}
+
+Workspace::Workspace(const Mechanism& m) : Kinematics(m), program(m), twins(program) {
   const auto n = static_cast<std::size_t>(m.nv());
   const auto links = static_cast<std::size_t>(m.link_count());
   depth.resize(n);
@@ -36,11 +39,6 @@ Workspace::Workspace(const Mechanism& m) : program(m), twins(program) {
     const Link& l = m.links()[i];
     link_chain[i] = l.joint.nv() > 0 ? l.v_index + l.joint.nv() - 1 : l.parent < 0 ? -1 : link_chain[static_cast<std::size_t>(l.parent)];
   }
-  X_WB.resize(links);
-  S.resize(n);
-  V.resize(links);
-  C.resize(links);
-  I.resize(links);
   A.resize(links);
   F.resize(links);
   Ic.resize(links);

@@ -27,7 +27,19 @@ struct alignas(64) CacheLine {
 };
 
 /// Compiled mechanism, results of the kinematics, inertia matrix and scratch memory.
-struct Workspace {
+/// Results of update_kinematics(). Spatial quantities are about p0, in world axes, angular part first.
+struct Kinematics {
+  explicit Kinematics(const Mechanism& mechanism);
+
+  Vec3 p0;                 ///< m, world: the reference point
+  std::vector<Pose> X_WB;  ///< [links] poses in the world
+  std::vector<Vec6> S;     ///< [nv] column of the motion subspace
+  std::vector<Vec6> V;     ///< [links] velocity: rad/s, m/s
+  std::vector<Vec6> C;     ///< [links] velocity-product acceleration (dS/dt) v of the link relative to its parent
+  std::vector<Inertia> I;  ///< [links] inertia about p0
+};
+
+struct Workspace : Kinematics {
   explicit Workspace(const Mechanism& mechanism);
 
   /// Allocates and fills `chain` and `entry_index`, and allocates M and L: O(nv depth) memory. The constructor calls this function for
@@ -47,14 +59,6 @@ struct Workspace {
   std::vector<int> link_chain;   ///< [links] DOF closest to the link among those that move it; -1: none
   std::vector<Dof> dofs;         ///< [nv] limits, armature and other properties of each DOF
   std::vector<double> armature;  ///< [nv] kg | kg m^2, armature of each DOF
-
-  // Kinematics, computed by update_kinematics(). Spatial quantities are about p0, in world axes, angular part first.
-  Vec3 p0;                 ///< m, world: the reference point
-  std::vector<Pose> X_WB;  ///< [links] poses in the world
-  std::vector<Vec6> S;     ///< [nv] column of the motion subspace
-  std::vector<Vec6> V;     ///< [links] velocity: rad/s, m/s
-  std::vector<Vec6> C;     ///< [links] velocity-product acceleration (dS/dt) v of the link relative to its parent
-  std::vector<Inertia> I;  ///< [links] inertia about p0
 
   // Scratch memory of the recursions over links
   std::vector<Vec6> A, F;              ///< [links] accelerations, forces

@@ -12,6 +12,7 @@ struct Collision {
   Collision(const World& world_, const collision::SceneOptions& options, double margin)
       : world(&world_), scene(world_.mechanisms(), world_.ground(), options), search(scene, margin), motions(world_.characters().size()) {
     search.set_executor(world_.executor());
+    search.set_shared_kinematics(world_.kinematics());
   }
 
   const World* world;

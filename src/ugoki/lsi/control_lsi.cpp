@@ -37,6 +37,7 @@ std::int32_t step(const Call* call) {
   in.contacts = self.contacts;
   in.system = self.character->index;
   in.dt = call->tick->dt;
+  in.kinematics = &self.world->kinematics()[static_cast<std::size_t>(self.character->index)];
   double* drive = circuit::output(call, 0);
   const std::size_t nv = self.layout.nv;
   const std::span<double> tau(drive, nv);
@@ -114,7 +115,8 @@ void add_control(circuit::Library& library) {
                   number_parameter("balance", usual.balance, 0, 2, "", "Factor on the gains of the root."),
                   number_parameter("assist limit", usual.assist_limit, 0, 10, "body weights",
                                    "Maximum root assist; a character that needs more lags behind its reference."),
-                  number_parameter("joint frequency", usual.joint_frequency, 0, 500, "rad/s", "Rate at which the error of a joint decays, for a person; of smaller characters, errors decay faster."),
+                  number_parameter("joint frequency", usual.joint_frequency, 0, 500, "rad/s",
+                                   "Rate at which the error of a joint decays, for a person; of smaller characters, errors decay faster."),
                   number_parameter("root frequency", usual.root_frequency, 0, 500, "rad/s",
                                    "Rate at which the error of the root decays, for a person; also used for the joints that carry it."),
                   number_parameter("patience", usual.patience, 0.001, 100, "s",

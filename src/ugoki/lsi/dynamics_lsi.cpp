@@ -21,6 +21,7 @@ struct Dynamics {
   Dynamics(const World& world_, const contact::StepperOptions& options)
       : world(&world_), scene(world_.mechanisms(), world_.ground(), options), stepper(scene.stepper()) {
     scene.set_executor(world_.executor());
+    scene.set_shared_kinematics(world_.kinematics());
   }
 
   const World* world;

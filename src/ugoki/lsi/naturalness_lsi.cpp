@@ -38,6 +38,7 @@ struct Naturalness {
   bool applied = false;                       // drive forces are wired
   std::size_t dof_offset = 0;                 // index of the character's first number in the drive forces
   std::vector<Pose> poses, reference_poses;   // [links]
+  std::vector<Vec6> speeds;                   // [links] scratch
   std::vector<std::uint8_t> stance;           // [feet] 1: the foot stands in the reference
   std::vector<std::uint8_t> stands, touches;  // [legs] 1: the foot stands in the reference; touches something
   std::vector<Vec3> leg_forces;               // [legs] N
@@ -118,7 +119,9 @@ std::int32_t advance(const Call* call) {
   const std::span<const double> q = q_of(*self.character, circuit::input(call, in_state));
   const std::span<const double> reference_q{reference, self.layout.nq};
   const bool released = report[report_released] > 0;
-  calc_poses(m, q, self.poses);
+  const std::span<const double> v = v_of(*self.character, circuit::input(call, in_state));
+  dynamics::SharedKinematics& kinematics = self.world->kinematics()[static_cast<std::size_t>(self.character->index)];
+  kinematics.update(m, q, v, self.poses, self.speeds);
   calc_poses(m, reference_q, self.reference_poses);
   difference(m, q, reference_q, self.error);
   double angles = 0, joints = 0;  // rad^2, sum of squared angles now; number of summed joints
@@ -143,7 +146,8 @@ std::int32_t advance(const Call* call) {
   s.dt = sums.last_time >= 0 ? call->tick->time - sums.last_time : 0;
   sums.last_time = call->tick->time;
   s.q = q;
-  s.v = v_of(*self.character, circuit::input(call, in_state));
+  s.v = v;
+  s.kinematics = &kinematics;
   s.X_WB = self.poses;
   if (!released) s.reference = self.reference_poses;
   s.stance = self.stance;
@@ -224,6 +228,7 @@ void* make(Setup& s) {
                                {},
                                {},
                                {},
+                               {},
                                0,
                                0};
   self->forces = s.wires(in_forces) > 0;
@@ -232,6 +237,7 @@ void* make(Setup& s) {
     if (other.index < c.index) self->dof_offset += static_cast<std::size_t>(other.mechanism->nv());
   self->poses.resize(static_cast<std::size_t>(m.link_count()));
   self->reference_poses = self->poses;
+  self->speeds.resize(self->poses.size());
   self->stance.resize(c.feet.size());
   self->stands.resize(self->meter.body().legs.size());
   self->touches = self->stands;

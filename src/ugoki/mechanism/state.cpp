@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "ugoki/base/check.h"
+#include "ugoki/mechanism/link_pose.h"
 
 namespace ugoki {
 
@@ -10,8 +11,9 @@ void calc_poses(const Mechanism& m, std::span<const double> q, std::span<Pose> X
   UGOKI_CHECK(static_cast<int>(q.size()) == m.nq() && static_cast<int>(X_WB.size()) == m.link_count());
   for (std::size_t i = 0; i < X_WB.size(); ++i) {
     const Link& link = m.links()[i];
-    const Pose X_PB = link.joint.X_PJ * joint_pose(link.joint, q.data() + link.q_index);
-    X_WB[i] = link.parent < 0 ? X_PB : X_WB[static_cast<std::size_t>(link.parent)] * X_PB;
+    const Pose& X_PJ = link.joint.X_PJ;
+    const Pose X_WJ = link.parent < 0 ? X_PJ : joint_frame_pose(X_WB[static_cast<std::size_t>(link.parent)], X_PJ);
+    X_WB[i] = link_pose(X_WJ, link.joint, q.data() + link.q_index);
   }
 }
 

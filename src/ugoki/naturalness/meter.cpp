@@ -78,7 +78,7 @@ void Meter::add(const Sample& s) {
   const double dt = sums_.samples > 0 ? s.dt : 0;
   slip_.add(s.X_WB, s.stance, dt);
   const double depth = penetration_.add(s.X_WB);
-  dynamics::update_kinematics(m_, s.q, s.v, ws_);
+  dynamics::update_kinematics(m_, s.q, s.v, s.kinematics, ws_);
   centroidal_ = dynamics::calc_centroidal(m_, ws_);
   const Vec3 c = centroidal_.centre, u = centroidal_.velocity;
   if (sums_.samples == 0) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ugoki/dynamics/centroidal.h"
+#include "ugoki/dynamics/shared_kinematics.h"
 #include "ugoki/motion/foot_slip.h"
 #include "ugoki/motion/measures.h"
 #include "ugoki/naturalness/legs.h"
@@ -17,18 +18,19 @@ namespace ugoki::naturalness {
 
 /// State of a character at one instant. Empty spans: not known.
 struct Sample {
-  double dt = 0;                          ///< s since the previous sample; not used in the first one
-  std::span<const double> q, v;           ///< [nq], [nv] position; velocity, of a recording filtered
-  std::span<const Pose> X_WB;             ///< [links] poses at q
-  std::span<const Pose> reference;        ///< [links] poses that the character should have
-  std::span<const std::uint8_t> stance;   ///< [feet of find_feet] nonzero: the foot is to stand without sliding
-  std::span<const std::uint8_t> stands;   ///< [legs] nonzero: the foot is meant to bear load
-  std::span<const std::uint8_t> touches;  ///< [legs] nonzero: the foot touches something
-  std::span<const Vec3> forces;           ///< [legs] N, world: force on the foot
-  bool other_contact = false;             ///< another link touches something, or something else holds the character
-  std::span<const double> torque;         ///< [nv] N m | N: forces of the joints
-  bool has_missing = false;               ///< the next two are known
-  Vec3 missing_force, missing_moment;     ///< N, N m about the centre of mass, world: wrench that no contact supplies
+  double dt = 0;                                     ///< s since the previous sample; not used in the first one
+  std::span<const double> q, v;                      ///< [nq], [nv] position; velocity, of a recording filtered
+  std::span<const Pose> X_WB;                        ///< [links] poses at q
+  dynamics::SharedKinematics* kinematics = nullptr;  ///< may have the kinematics at q and v; null: the meter computes them
+  std::span<const Pose> reference;                   ///< [links] poses that the character should have
+  std::span<const std::uint8_t> stance;              ///< [feet of find_feet] nonzero: the foot is to stand without sliding
+  std::span<const std::uint8_t> stands;              ///< [legs] nonzero: the foot is meant to bear load
+  std::span<const std::uint8_t> touches;             ///< [legs] nonzero: the foot touches something
+  std::span<const Vec3> forces;                      ///< [legs] N, world: force on the foot
+  bool other_contact = false;                        ///< another link touches something, or something else holds the character
+  std::span<const double> torque;                    ///< [nv] N m | N: forces of the joints
+  bool has_missing = false;                          ///< the next two are known
+  Vec3 missing_force, missing_moment;                ///< N, N m about the centre of mass, world: wrench that no contact supplies
 };
 
 struct MeterOptions {

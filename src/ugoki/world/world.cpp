@@ -71,7 +71,7 @@ std::span<const Warm> WorldState::impulses() const {
 
 WorldStepper::WorldStepper(const World& world, Executor* executor)
     : world_(&world),
-      poses_(std::make_unique<contact::SharedPoses>(world.systems())),
+      kinematics_(std::make_unique<dynamics::SceneKinematics>(dynamics::make_scene_kinematics(world.systems()))),
       search_(world.scene(), world.options().margin),
       step_({world.systems().begin(), world.systems().end()}, world.options().ground, world.options().stepper),
       q_(world.nq()),
@@ -87,8 +87,8 @@ WorldStepper::WorldStepper(const World& world, Executor* executor)
   }
   search_.set_executor(executor);
   step_.set_executor(executor);
-  search_.set_shared_poses(poses_.get());
-  step_.set_shared_poses(poses_.get());
+  search_.set_shared_kinematics(*kinematics_);
+  step_.set_shared_kinematics(*kinematics_);
   load(WorldState(world));
   contacts_ = &search_.find(motions_, 1e-3);
 }
