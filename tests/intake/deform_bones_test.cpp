@@ -8,6 +8,7 @@
 #include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "ugoki/intake/arrange.h"
@@ -113,6 +114,45 @@ TEST(DeformBones, ADogOnMechanismsIsFourLegged) {
   ASSERT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not;
   EXPECT_NEAR(c.trunk_length, 0.4, 0.02);
   EXPECT_EQ(motions[0].skeleton.joints[static_cast<std::size_t>(c.legs[0].proximal)].name, "DEF-thigh.L");
+}
+
+TEST(DeformBones, AnAnimalThatIsRecognisedByItsMechanismsGetsTheDeformingBones) {
+  // Each bone that deforms the mesh hangs on a bone of the mechanism, whose names state an animal.
+  const std::vector<Bone> mechanism = {{"spine", -1, {0, 0, 0.6}},    {"spine.001", 0, {0.3, 0, 0}},   {"spine.002", 1, {0.2, 0, 0}},
+                                       {"neck", 2, {0.15, 0, 0.1}},   {"head", 3, {0.15, 0, 0.1}},     {"head_top", 4, {0.15, 0, 0}},
+                                       {"tail", 0, {-0.15, 0, 0.05}}, {"tail.001", 6, {-0.2, 0, -0.1}}};
+  std::vector<Bone> all = mechanism;
+  for (const auto& [on, names] :
+       {std::pair{0, std::array{"thigh", "shin", "foot", "toe"}}, {2, std::array{"front_thigh", "front_shin", "front_foot", "front_toe"}}})
+    for (const double side : {1.0, -1.0}) {
+      int parent = on;
+      Vec3 offset{0, 0.08 * side, -0.02};
+      for (const char* name : names) {
+        all.push_back({std::string(name) + (side > 0 ? ".L" : ".R"), parent, offset});
+        parent = static_cast<int>(all.size()) - 1;
+        offset = std::string(name).ends_with("foot") ? Vec3{0.05, 0, -0.05} : Vec3{0.02, 0, -0.2};
+      }
+    }
+  const int count = static_cast<int>(all.size());
+  for (int i = 0; i < count; ++i) {
+    const std::string bone = all[static_cast<std::size_t>(i)].name;
+    all[static_cast<std::size_t>(i)].name = "ORG-" + bone;
+    all.push_back({"DEF-" + bone, i, {}});
+  }
+  MeasuredMotion m = moving(all);
+  for (std::size_t k = 0; k < m.rotations.size(); ++k) {
+    const std::size_t i = k % all.size();
+    m.rotations[k] = i < mechanism.size() || i >= static_cast<std::size_t>(count)
+                         ? Quat{}
+                         : axis_angle({0, 1, 0}, 0.2 * std::sin(0.3 * static_cast<double>(k / all.size()) + 0.9 * static_cast<double>(i)));
+  }
+  ASSERT_EQ(body::recognise_character(m).plan, body::BodyPlan::four_legs) << "by its mechanisms";
+  std::vector<MeasuredMotion> motions = {m};
+  std::vector<std::string> report;
+  const body::Character c = arrange(motions, report);
+  ASSERT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not;
+  for (const SkeletonJoint& j : motions[0].skeleton.joints) EXPECT_TRUE(is_deform_bone(j.name)) << j.name;
+  EXPECT_EQ(motions[0].skeleton.joints[static_cast<std::size_t>(c.arms[1].proximal)].name, "DEF-front_thigh.R");
 }
 
 TEST(DeformBones, OtherSkeletonsStayAsTheyAre) {

@@ -102,14 +102,20 @@ std::vector<Bone> animal(const End& end) {
   return bones;
 }
 
-TEST(LimbEnds, EndsFromTheMeshStayOnThePawsOfARecognisedAnimal) {
-  std::vector<MeasuredMotion> motions = {moving(animal([](bool fore, bool left) { return Vec3{!fore && left ? 0.1 : 0.05, 0, -0.05}; }))};
-  std::vector<std::string> report;
-  ASSERT_EQ(arrange(motions, report, nullptr, true).plan, body::BodyPlan::four_legs);
-  EXPECT_TRUE(report.empty());
-  // Heads may end in antlers. The end of the left hind paw is not that of the right one.
-  for (const SkeletonJoint& j : motions[0].skeleton.joints)
-    EXPECT_EQ(j.end_sites.size(), j.name.starts_with("FrontPaw") ? 1U : 0U) << j.name;
+TEST(LimbEnds, EndsFromTheMeshStayOnPawsMuzzleAndTailOfARecognisedAnimal) {
+  for (const bool antlers : {false, true}) {
+    std::vector<Bone> bones = animal([](bool fore, bool left) { return Vec3{!fore && left ? 0.1 : 0.05, 0, -0.05}; });
+    if (antlers) bones[3].end = {0.05, 0, 0.4};
+    std::vector<MeasuredMotion> motions = {moving(bones)};
+    std::vector<std::string> report;
+    ASSERT_EQ(arrange(motions, report, nullptr, true).plan, body::BodyPlan::four_legs);
+    EXPECT_TRUE(report.empty());
+    // The end of the left hind paw is not that of the right one.
+    for (const SkeletonJoint& j : motions[0].skeleton.joints) {
+      const bool ends = j.name.starts_with("FrontPaw") || j.name == "Tail" || (j.name == "Head" && !antlers);
+      EXPECT_EQ(j.end_sites.size(), ends ? 1U : 0U) << j.name;
+    }
+  }
 }
 
 TEST(LimbEnds, EndsFromTheMeshThatLiftTheOtherPairOfPawsAreLeftOut) {
@@ -383,6 +389,28 @@ TEST(FourLegs, TheJointOfTheHindLimbsBecomesTheRootIfTheHeadIsAtTheRoot) {
 }
 
 // An elephant of one bone for each leg. The trunk and the tail reach down to the floor; the trunk is longer than the legs.
+TEST(FourLegs, ForeLimbsGetTheJointOfTheTrunkThatMovesWithThem) {
+  // All limbs hang on the first joint of the trunk, whose further joints carry a neck without names.
+  std::vector<Bone> bones = {{"Body.001", -1, {-0.8, 0, 1.1}, {}},
+                             {"Body.002", 0, {0.7, 0, 0}, {}},
+                             {"Body.003", 1, {0.7, 0, 0.1}, {}},
+                             {"Body.004", 2, {0.5, 0, 0.5}, {0.3, 0, -0.1}},
+                             {"Tail", 0, {-0.4, 0, 0.3}, {-0.1, 0, -0.5}}};
+  for (const bool fore : {true, false})
+    for (const auto& [side, y] : {std::pair(std::string(".L"), 0.25), {".R", -0.25}}) {
+      bones.push_back({(fore ? "LegF" : "LegB") + side, 0, {fore ? 1.3 : -0.2, y, -0.2}, {}});
+      bones.push_back({(fore ? "LegF.002" : "LegB.002") + side, static_cast<int>(bones.size()) - 1, {0, 0, -0.45}, {0, 0, -0.45}});
+    }
+  std::vector<MeasuredMotion> motions = {moving(bones)};
+  for (std::size_t f = 0, n = bones.size(); f < static_cast<std::size_t>(motions[0].frames); ++f) motions[0].rotations[f * n + 1] = {};
+  std::vector<std::string> report;
+  const body::Character c = arrange(motions, report);
+  ASSERT_EQ(c.plan, body::BodyPlan::four_legs) << c.why_not;
+  const auto name = [&](int i) { return motions[0].skeleton.joints[static_cast<std::size_t>(i)].name; };
+  EXPECT_TRUE(name(c.chest) == "Body.002" || name(c.chest) == "Body.003") << name(c.chest);
+  EXPECT_EQ(name(c.neck.back()).substr(0, 8), "Body.004") << "the neck of the file, not an added one";
+}
+
 TEST(FourLegs, ATrunkThatHangsToTheFloorIsNoLimb) {
   std::vector<Bone> b = {{"body", -1, {0, 0, 1.8}, {}},
                          {"trunk.01", 0, {1.9, 0, -0.15}, {}},

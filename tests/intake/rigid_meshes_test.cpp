@@ -33,27 +33,38 @@ const std::vector<Block> person = {{"root", -1, {0, 1.0, 0}, {}, {}},
                                    {"head", 3, {0, 0.9, 0}, {-0.2, 0, -0.2}, {0.2, 0.4, 0.2}}};
 
 /// A GLB file in which the blocks swing about x.
-std::vector<std::byte> file_of_blocks(const std::vector<Block>& blocks = person) {
+/// @param in_scene true: each box is the mesh of a node below its block, with vertices relative to the origin of the scene, at which these
+///   nodes are; the last block has a node with an origin of its own
+std::vector<std::byte> file_of_blocks(const std::vector<Block>& blocks = person, bool in_scene = false) {
   constexpr int frames = 31;
   formats::GlbChunk chunk;
   std::vector<float> times;
   for (int f = 0; f < frames; ++f) times.push_back(static_cast<float>(f / 30.0));
   const int time = chunk.floats(times, 1, "SCALAR");
-  Json nodes = Json::array(), meshes = Json::array(), roots = Json::array(), channels = Json::array(), samplers = Json::array();
+  Json boxes = Json::array(), nodes = Json::array(), meshes = Json::array(), roots = Json::array(), channels = Json::array(),
+       samplers = Json::array();
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const Block& b = blocks[i];
     Json node{{"name", b.name}, {"translation", {b.offset.x, b.offset.y, b.offset.z}}};
     Json children = Json::array();
     for (std::size_t k = 0; k < blocks.size(); ++k)
       if (blocks[k].parent == static_cast<int>(i)) children.push_back(k);
+    Vec3 place;  // of the block in the scene, or of the last one relative to a point beside it
+    for (int k = static_cast<int>(i); in_scene && k >= 0; k = blocks[static_cast<std::size_t>(k)].parent)
+      place += blocks[static_cast<std::size_t>(k)].offset;
+    if (in_scene && i + 1 == blocks.size()) place = {0.5, 0.25, 0.1};
+    if (norm(b.high) > 0 && in_scene) children.push_back(blocks.size() + boxes.size());
     if (!children.empty()) node["children"] = children;
     if (norm(b.high) > 0) {
       std::vector<float> corners;
       for (const double x : {b.low.x, b.high.x})
         for (const double y : {b.low.y, b.high.y})
           for (const double z : {b.low.z, b.high.z})
-            for (const double v : {x, y, z}) corners.push_back(static_cast<float>(v));
-      node["mesh"] = meshes.size();
+            for (const double v : {x + place.x, y + place.y, z + place.z}) corners.push_back(static_cast<float>(v));
+      if (in_scene)
+        boxes.push_back({{"name", b.name}, {"translation", {-place.x, -place.y, -place.z}}, {"mesh", meshes.size()}});
+      else
+        node["mesh"] = meshes.size();
       meshes.push_back({{"primitives", {{{"attributes", {{"POSITION", chunk.floats(corners, 3, "VEC3")}}}}}}});
     }
     nodes.push_back(node);
@@ -66,6 +77,7 @@ std::vector<std::byte> file_of_blocks(const std::vector<Block>& blocks = person)
     channels.push_back({{"sampler", samplers.size()}, {"target", {{"node", i}, {"path", "rotation"}}}});
     samplers.push_back({{"input", time}, {"output", chunk.floats(turns, 4, "VEC4")}});
   }
+  for (const Json& box : boxes) nodes.push_back(box);
   Json root = {{"asset", {{"version", "2.0"}}},
                {"scene", 0},
                {"scenes", {{{"nodes", roots}}}},
@@ -85,6 +97,23 @@ TEST(RigidMeshes, TheirFarEndsAreTheEndsOfGltfNodes) {
     // The four corners of a leg's lower end, and of the top of the head, are farthest; z is up.
     EXPECT_LT(norm(j.end_sites[0] - Vec3{0, 0, j.name == "head" ? 0.4 : -1.0}), 1e-6) << j.name;
   }
+}
+
+TEST(RigidMeshes, MeshesOfParentsInTheFrameOfTheSceneAreNoJoints) {
+  const std::vector<std::byte> whole = file_of_blocks(), divided = file_of_blocks(person, true);
+  const auto a = formats::read_gltf(whole, "person.glb", {.mesh_ends = true}),
+             b = formats::read_gltf(divided, "person.glb", {.mesh_ends = true});
+  ASSERT_TRUE(a && b);
+  const std::vector<SkeletonJoint>&expected = a->front().skeleton.joints, &joints = b->front().skeleton.joints;
+  ASSERT_EQ(joints.size(), expected.size());
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    EXPECT_EQ(joints[i].name, expected[i].name);
+    ASSERT_EQ(joints[i].end_sites.size(), expected[i].end_sites.size()) << joints[i].name;
+    for (std::size_t k = 0; k < joints[i].end_sites.size(); ++k) EXPECT_LT(norm(joints[i].end_sites[k] - expected[i].end_sites[k]), 1e-6);
+  }
+  const Result<Intake> made = take_in({reinterpret_cast<const char*>(divided.data()), divided.size()}, "person.glb");
+  ASSERT_TRUE(made) << made.error().text();
+  EXPECT_TRUE(made->body->human);
 }
 
 TEST(RigidMeshes, ABlockyPersonOfOneNodeForEachLimbIsHuman) {

@@ -20,6 +20,7 @@ class Parser : private GltfData {
     if (!split(bytes) || !check_asset() || !read_buffers() || !read_nodes() || !read_skins() || !read_animations())
       return fail(std::move(error_));
     read_mesh_ends();
+    find_meshes_of_parents();
     read_rigid_mesh_ends();
     return std::move(out_);
   }
@@ -103,18 +104,62 @@ class Parser : private GltfData {
     return true;
   }
 
+  /// World transform of a node in the pose of the file.
+  [[nodiscard]] Affine world_of(std::size_t node) const {
+    Affine X = local_of(out_.nodes[node]);
+    for (int n = out_.nodes[node].parent; n >= 0; n = out_.nodes[static_cast<std::size_t>(n)].parent)
+      X = local_of(out_.nodes[static_cast<std::size_t>(n)]) * X;
+    return X;
+  }
+
+  /// Sets GltfNode::mesh_of_parent. (Editors of blocky characters export one node for each group of boxes, and below it one for each box.
+  /// Vertices of most boxes are relative to the origin of the scene.)
+  void find_meshes_of_parents() {
+    constexpr std::size_t fewest = 3;            // such nodes: two can be at one place by chance
+    constexpr double same = 1e-4, apart = 1e-2;  // shares of the extent of all nodes
+    if (!out_.skins.empty()) return;
+    std::vector<char> is_leaf(out_.nodes.size(), 1);
+    for (const GltfNode& n : out_.nodes)
+      if (n.parent >= 0) is_leaf[static_cast<std::size_t>(n.parent)] = 0;
+    for (const GltfAnimation& a : out_.animations)
+      for (const GltfChannel& c : a.channels) is_leaf[static_cast<std::size_t>(c.node)] = 0;
+    std::vector<std::size_t> leaves;
+    std::vector<Vec3> places;
+    const auto parent_of = [&](std::size_t i) { return static_cast<std::size_t>(out_.nodes[i].parent); };
+    double extent = 0;
+    for (std::size_t i = 0; i < out_.nodes.size(); ++i) {
+      places.push_back(world_of(i).p);
+      extent = std::max(extent, norm(places[i] - places[0]));
+      if (is_leaf[i] != 0 && out_.nodes[i].parent >= 0 && member(list("nodes")[i], "mesh") != nullptr) leaves.push_back(i);
+    }
+    bool found = false;
+    for (const std::size_t first : leaves) {
+      std::vector<std::size_t> together;
+      for (const std::size_t i : leaves)
+        if (norm(places[i] - places[first]) <= same * extent && norm(places[parent_of(i)] - places[first]) > apart * extent)
+          together.push_back(i);
+      const bool of_one = std::ranges::all_of(together, [&](std::size_t i) { return parent_of(i) == parent_of(together[0]); });
+      found = found || (together.size() >= fewest && !of_one);
+    }
+    if (!found) return;
+    for (const std::size_t i : leaves) out_.nodes[i].mesh_of_parent = member(list("nodes")[parent_of(i)], "mesh") == nullptr;
+  }
+
   static constexpr std::size_t max_numbers_of_meshes = 12'000'000;  // numbers of all meshes that are read for their ends
 
   /// Sets GltfNode::mesh_end: nodes can carry rigid meshes instead of a skin. A mesh that cannot be read is left out.
   void read_rigid_mesh_ends() {
     std::size_t numbers = 0;
     const Json &nodes = list("nodes"), &meshes = list("meshes"), &accessors = list("accessors");
+    std::vector<std::vector<Vec3>> points(nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       const auto mesh = index(nodes[i], "mesh", meshes.size());
       if (out_.nodes[i].skin >= 0 || !mesh || *mesh < 0) continue;
       const Json* primitives = member(meshes[static_cast<std::size_t>(*mesh)], "primitives");
       if (primitives == nullptr || !primitives->is_array()) continue;
-      std::vector<Vec3> points;
+      const GltfNode& node = out_.nodes[i];
+      std::vector<Vec3>& own = points[node.mesh_of_parent ? static_cast<std::size_t>(node.parent) : i];
+      const Affine X = node.mesh_of_parent ? local_of(node) : Affine{};
       for (const Json& p : *primitives) {
         const Json* attributes = member(p, "attributes");
         if (attributes == nullptr || member(p, "extensions") != nullptr) continue;
@@ -125,10 +170,10 @@ class Parser : private GltfData {
         std::vector<double> x;
         const bool read = accessor(*position, 3, "meshes", x);
         error_ = {};
-        for (std::size_t v = 0; read && 3 * v + 2 < x.size(); ++v) points.push_back({x[3 * v], x[3 * v + 1], x[3 * v + 2]});
+        for (std::size_t v = 0; read && 3 * v + 2 < x.size(); ++v) own.push_back(X.A * Vec3{x[3 * v], x[3 * v + 1], x[3 * v + 2]} + X.p);
       }
-      out_.nodes[i].mesh_end = far_end(points);
     }
+    for (std::size_t i = 0; i < nodes.size(); ++i) out_.nodes[i].mesh_end = far_end(points[i]);
   }
 
   /// Sets GltfSkin::mesh_ends. A mesh that cannot be read is left out.
@@ -228,6 +273,11 @@ class Parser : private GltfData {
 };
 
 }  // namespace
+
+Affine local_of(const GltfNode& n) {
+  if (n.matrix) return *n.matrix;
+  return {to_matrix(n.rotation) * Mat3::diagonal(n.scale.x, n.scale.y, n.scale.z), n.translation};
+}
 
 Result<GltfDocument> read_gltf_document(std::span<const std::byte> bytes, std::string_view file_name, const GltfFiles& files,
                                         const GltfUnpack& unpack, ReadNotes& notes) {

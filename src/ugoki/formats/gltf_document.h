@@ -27,7 +27,13 @@ struct GltfNode {
   std::optional<Affine> matrix;  ///< if set, replaces translation, rotation and scale
   int skin = -1;                 ///< index in GltfDocument::skins; -1: none
   std::optional<Vec3> mesh_end;  ///< far end of a mesh without skin, in the node's frame
+  /// The node does not move and only carries a mesh of its parent, which has none: it is no joint. Set in files in which several such nodes
+  /// are at one point of the scene, to which their vertices are relative, although their parents are at other places.
+  bool mesh_of_parent = false;
 };
+
+/// Transform of a node relative to its parent.
+[[nodiscard]] Affine local_of(const GltfNode& n);
 
 struct GltfSkin {
   std::vector<int> joints;            ///< indices in GltfDocument::nodes

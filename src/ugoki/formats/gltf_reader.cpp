@@ -52,12 +52,6 @@ Mat3 rotation_of(const Mat3& A) {
   return Mat3::columns(x, y, cross(x, y));
 }
 
-/// Transform of a node relative to its parent.
-Affine local_of(const GltfNode& n) {
-  if (n.matrix) return *n.matrix;
-  return {to_matrix(n.rotation) * Mat3::diagonal(n.scale.x, n.scale.y, n.scale.z), n.translation};
-}
-
 class Reader {
  public:
   Reader(GltfDocument document, std::string_view name, const GltfOptions& options, ReadNotes& notes)
@@ -246,7 +240,7 @@ class Reader {
     }
     joint_of_node_.assign(doc_.nodes.size(), -1);
     for (const std::size_t n : order_) {
-      if (joint[n] == 0) continue;
+      if (joint[n] == 0 || doc_.nodes[n].mesh_of_parent) continue;
       joint_of_node_[n] = static_cast<int>(joints_.size());
       joints_.push_back(n);
     }

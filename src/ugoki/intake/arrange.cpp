@@ -346,6 +346,15 @@ bool same_sections(const body::Character& a, const body::Character& b) {
   return std::ranges::equal(a.legs, b.legs, same) && std::ranges::equal(a.arms, b.arms, same);
 }
 
+/// True if trunk or limbs of a four-legged animal contain joints of the mechanisms of a rig, which also has bones that deform the mesh.
+bool consists_of_mechanisms(const Skeleton& s, const body::Character& c) {
+  if (c.plan != body::BodyPlan::four_legs) return false;
+  std::vector<int> joints = {c.pelvis, c.chest};
+  for (const std::array<body::Limb, 2>* limbs : {&c.legs, &c.arms})
+    for (const body::Limb& l : *limbs) joints.insert(joints.end(), {l.proximal, l.distal, l.end});
+  return std::ranges::any_of(joints, [&](int i) { return i >= 0 && !is_deform_bone(s.joints[at(i)].name); });
+}
+
 body::Character arrange_joints(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
                                bool mesh_ends) {
   const MeasuredMotion* longest = &motions[0];
@@ -451,13 +460,13 @@ body::Character arrange_joints(std::span<MeasuredMotion> motions, std::vector<st
       report.push_back("The skeleton was re-rooted at joint " + name + ", which carries the legs.");
     }
   }
-  if (character.plan == body::BodyPlan::other) {
+  if (character.plan == body::BodyPlan::other || consists_of_mechanisms(motions[0].skeleton, character)) {
     std::vector<MeasuredMotion> fewer = with_ends.empty() ? std::vector<MeasuredMotion>(motions.begin(), motions.end()) : with_ends;
     if (keep_deform_bones(fewer)) {
       std::vector<std::string> changes = {
           "The rig was reduced to the bones that deform its mesh (DEF-...), each attached to the next of them."};
       body::Character better = arrange_joints(fewer, changes, mapping, mesh_ends);
-      if (better.plan != body::BodyPlan::other) {
+      if (better.plan != body::BodyPlan::other && (character.plan == body::BodyPlan::other || better.plan == character.plan)) {
         std::ranges::move(fewer, motions.begin());
         report = std::move(changes);
         return better;
@@ -549,7 +558,7 @@ body::Character arrange_with_paws(std::span<MeasuredMotion> motions, std::vector
   if (!mesh_ends || character.plan != body::BodyPlan::four_legs) return character;
   std::vector<MeasuredMotion> ended(motions.begin(), motions.end());
   if (std::ranges::any_of(report, [](const std::string& r) { return r.starts_with("The skeleton was re-rooted"); })) return character;
-  if (!restore_paws(ended, with_ends, character)) return character;
+  if (!restore_ends_of_meshes(ended, with_ends, character)) return character;
   const auto longest = std::ranges::max_element(ended, {}, &MeasuredMotion::frames);
   body::Character again = body::recognise_character(*longest, mapping);
   if (again.plan != body::BodyPlan::four_legs || !same_sections(again, character)) return character;

@@ -24,6 +24,8 @@ std::string bone_of(const std::string& name) {
 
 }  // namespace
 
+bool is_deform_bone(std::string_view name) { return name.starts_with(deforms); }
+
 bool keep_deform_bones(std::span<MeasuredMotion> motions) {
   constexpr int fewest = 8;
   const Skeleton s = motions[0].skeleton;

@@ -49,6 +49,8 @@ class FourLegs {
     }
     if (hips_ >= 0 && chest_ >= 0 && !is_below(s_, chest_, hips_) && !is_below(s_, hips_, chest_))
       hips_ = chest_ = common(hips_, chest_);  // limbs on two branches of one joint; the chest gets a joint of its own below
+    if (hips_ >= 0 && hips_ == chest_)
+      if (const int spine = spine_joint(); spine >= 0) chest_ = spine;
     if (hips_ < 0 || chest_ < 0 || (chest_ != hips_ && !is_below(s_, chest_, hips_))) return {};
     std::vector<int> new_parent(s_.joints.size(), -1);
     std::vector<std::string> moved;
@@ -76,6 +78,23 @@ class FourLegs {
   void find_joints() {
     hips_ = common(parent(hind_[0]), parent(hind_[1]));
     chest_ = common(parent(fore_[0]), parent(fore_[1]));
+  }
+  /// The foremost joint of the trunk that moves with both fore limbs, although these hang on the joint of the hind limbs; -1: none.
+  [[nodiscard]] int spine_joint() const {
+    constexpr double least = 0.25, most = 1.1;  // shares of the way from the hind to the fore limbs
+    const auto middle = [&](const std::array<int, 2>& limbs) { return (mean_in(hips_, limbs[0]) + mean_in(hips_, limbs[1])) * 0.5; };
+    const Vec3 back = middle(hind_), along = middle(fore_) - back;
+    int found = -1;
+    double foremost = least;
+    for (int i = 0; i < motions_[0].joint_count(); ++i) {
+      if (i == hips_ || !is_below(s_, i, hips_) || children_[at(i)].empty() || is_no_limb(i)) continue;
+      if (std::ranges::any_of(tops_, [&](int t) { return is_below(s_, i, t); })) continue;
+      const double share = dot(mean_in(hips_, i) - back, along) / dot(along, along);
+      if (share < foremost || share > most || !is_rigid(fore_[0], i) || !is_rigid(fore_[1], i)) continue;
+      found = i;
+      foremost = share;
+    }
+    return found;
   }
   [[nodiscard]] int parent(int i) const { return s_.joints[at(i)].parent; }
   [[nodiscard]] int common(int i, int j) const {

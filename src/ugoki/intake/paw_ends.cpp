@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,46 @@ bool restore_ends(std::span<MeasuredMotion> motions, const Skeleton& with_ends, 
   return any;
 }
 
+/// The end of joint `joint` in `with_ends`; std::nullopt if the joint has an end or a child, if there is no joint of its name or several,
+/// or if the end is far away.
+std::optional<Vec3> end_of(const Skeleton& s, int joint, const Skeleton& with_ends, double trunk_length) {
+  constexpr double longest = 0.75;  // trunk lengths
+  if (joint < 0 || !s.joints[at(joint)].end_sites.empty()) return std::nullopt;
+  if (std::ranges::any_of(s.joints, [&](const SkeletonJoint& j) { return j.parent == joint; })) return std::nullopt;
+  const auto is_it = [&](const SkeletonJoint& j) { return j.name == s.joints[at(joint)].name; };
+  const auto found = std::ranges::find_if(with_ends.joints, is_it);
+  if (found == with_ends.joints.end() || found->end_sites.size() != 1 || std::ranges::count_if(with_ends.joints, is_it) != 1)
+    return std::nullopt;
+  return norm(found->end_sites[0]) <= longest * trunk_length ? std::optional(found->end_sites[0]) : std::nullopt;
+}
+
+/// Gives the last joint of the tail the end of its mesh, and the head, if its end is usually in front of the head's joint and not far above
+/// it: a muzzle. Meshes of heads can also reach farthest to the ends of antlers and ears, which are no ends of bones.
+/// @return true if a joint got an end
+bool restore_head_and_tail(std::span<MeasuredMotion> motions, const Skeleton& with_ends, const body::Character& character) {
+  constexpr double steepest = 0.5;  // sine of the elevation
+  const auto set_end = [&](int joint, const Vec3& end) {
+    for (MeasuredMotion& m : motions) m.skeleton.joints[at(joint)].end_sites = {end};
+  };
+  const int last = character.tail.empty() ? -1 : character.tail.back();
+  const std::optional<Vec3> tail = end_of(motions[0].skeleton, last, with_ends, character.trunk_length);
+  if (tail) set_end(last, *tail);
+  const std::optional<Vec3> end = end_of(motions[0].skeleton, character.head, with_ends, character.trunk_length);
+  if (!end) return tail.has_value();
+  std::vector<double> rises, fronts;
+  for (const auto& X : sample_poses(motions)) {
+    const auto middle = [&](const std::array<body::Limb, 2>& l) { return (X[at(l[0].proximal)].p + X[at(l[1].proximal)].p) * 0.5; };
+    const Vec3 direction = normalized(X[at(character.head)].R * *end), forward = middle(character.arms) - middle(character.legs);
+    rises.push_back(direction.z);
+    fronts.push_back(direction.x * forward.x + direction.y * forward.y);
+  }
+  std::ranges::sort(rises);
+  std::ranges::sort(fronts);
+  const bool muzzle = !rises.empty() && quantile(rises, 0.5) <= steepest && quantile(fronts, 0.5) > 0;
+  if (muzzle) set_end(character.head, *end);
+  return muzzle || tail.has_value();
+}
+
 /// Usual difference [m] between the heights of the lower fore paw and the lower hind paw, with their end sites.
 double height_between_paws(std::span<const MeasuredMotion> motions, const body::Character& character) {
   std::vector<double> heights;
@@ -78,10 +119,14 @@ double height_between_paws(std::span<const MeasuredMotion> motions, const body::
 
 }  // namespace
 
-bool restore_paws(std::span<MeasuredMotion> motions, const Skeleton& with_ends, const body::Character& character) {
+bool restore_ends_of_meshes(std::span<MeasuredMotion> motions, const Skeleton& with_ends, const body::Character& character) {
   constexpr double level = 0.1;  // share of the length of a leg
   const double before = height_between_paws(motions, character);
-  return restore_ends(motions, with_ends, character) && height_between_paws(motions, character) <= before + level * character.leg_length;
+  std::vector<MeasuredMotion> with_paws(motions.begin(), motions.end());
+  const bool paws =
+      restore_ends(with_paws, with_ends, character) && height_between_paws(with_paws, character) <= before + level * character.leg_length;
+  if (paws) std::ranges::move(with_paws, motions.begin());
+  return restore_head_and_tail(motions, with_ends, character) || paws;
 }
 
 }  // namespace ugoki::intake
