@@ -57,6 +57,17 @@ TEST(Scene, FbxReadsBackEqual) {
     }
 }
 
+TEST(Scene, FbxBonesOfASkinMayHaveEqualNames) {
+  const MeasuredMotion m = random_motion(3);
+  std::string file = make_scene_file(m, {});
+  const std::string from = "Model::" + m.skeleton.joints.back().name + "\"", to = "Model::" + m.skeleton.joints[1].name + "\"";
+  ASSERT_NE(file.find(from), std::string::npos);
+  for (std::size_t at = file.find(from); at != std::string::npos; at = file.find(from)) file.replace(at, from.size(), to);
+  const auto read = read_scene(bytes_of(file), "equal.fbx");
+  ASSERT_TRUE(read) << read.error().text();
+  EXPECT_GE(read->front().joint_count(), 2);
+}
+
 // The mesh has a triangle for each joint: the joint, and points 0.1 file units along x and y of the file, so that the mean of the far
 // points is (0.05, 0.05, 0) in the file's axes whatever the rest rotation of the bone is. File units are cm; y is up.
 TEST(Scene, FbxMeshesGiveTheEndsOfBones) {

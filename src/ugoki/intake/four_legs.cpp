@@ -81,16 +81,16 @@ class FourLegs {
   }
   /// The foremost joint of the trunk that moves with both fore limbs, although these hang on the joint of the hind limbs; -1: none.
   [[nodiscard]] int spine_joint() const {
-    constexpr double least = 0.25, most = 1.1;  // shares of the way from the hind to the fore limbs
+    constexpr double min_share = 0.25, max_share = 1.1;  // shares of the way from the hind to the fore limbs
     const auto middle = [&](const std::array<int, 2>& limbs) { return (mean_in(hips_, limbs[0]) + mean_in(hips_, limbs[1])) * 0.5; };
     const Vec3 back = middle(hind_), along = middle(fore_) - back;
     int found = -1;
-    double foremost = least;
+    double foremost = min_share;
     for (int i = 0; i < motions_[0].joint_count(); ++i) {
       if (i == hips_ || !is_below(s_, i, hips_) || children_[at(i)].empty() || is_no_limb(i)) continue;
       if (std::ranges::any_of(tops_, [&](int t) { return is_below(s_, i, t); })) continue;
       const double share = dot(mean_in(hips_, i) - back, along) / dot(along, along);
-      if (share < foremost || share > most || !is_rigid(fore_[0], i) || !is_rigid(fore_[1], i)) continue;
+      if (share < foremost || share > max_share || !is_rigid(fore_[0], i) || !is_rigid(fore_[1], i)) continue;
       found = i;
       foremost = share;
     }

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "ugoki/base/number.h"
@@ -397,6 +398,17 @@ void set_importer(Assimp::Importer& importer) {
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // find_axes() converts the up axis, for all formats
 }
 
+void keep_repeated_bones(Assimp::Importer& importer) {
+  const aiScene* scene = importer.GetScene();
+  for (unsigned int i = 0; scene && i < scene->mNumMeshes; ++i) {
+    const aiMesh& mesh = *scene->mMeshes[i];
+    std::set<const aiBone*> bones(mesh.mBones, mesh.mBones + mesh.mNumBones);
+    if (bones.size() == mesh.mNumBones) continue;
+    (void)importer.GetOrphanedScene();
+    return;
+  }
+}
+
 Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::byte> bytes, std::string_view file_name,
                                                          const SceneOptions& options, formats::ReadNotes& notes, NodePlaces* places) {
   const std::string location(file_name);
@@ -423,6 +435,7 @@ Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::by
   SceneReader reader(*scene, file_name, options, notes, up, mesh_ends);
   Result<std::vector<MeasuredMotion>> motions = reader.read();
   if (motions && places) *places = reader.places(motions->front());
+  keep_repeated_bones(importer);
   return motions;
 }
 

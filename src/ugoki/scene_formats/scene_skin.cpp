@@ -119,6 +119,7 @@ std::string answer_of(std::span<const std::byte> bytes, std::string_view file_na
     return refused(error);
   }
   const Result<SceneMeshes> meshes = collect_meshes(*scene, places, location);
+  keep_repeated_bones(importer);
   return meshes ? text_of(*meshes) : refused(meshes.error());
 }
 
