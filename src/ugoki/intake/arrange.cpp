@@ -346,15 +346,6 @@ bool same_sections(const body::Character& a, const body::Character& b) {
   return std::ranges::equal(a.legs, b.legs, same) && std::ranges::equal(a.arms, b.arms, same);
 }
 
-/// True if trunk or limbs of a four-legged animal contain joints of the mechanisms of a rig, which also has bones that deform the mesh.
-bool consists_of_mechanisms(const Skeleton& s, const body::Character& c) {
-  if (c.plan != body::BodyPlan::four_legs) return false;
-  std::vector<int> joints = {c.pelvis, c.chest};
-  for (const std::array<body::Limb, 2>* limbs : {&c.legs, &c.arms})
-    for (const body::Limb& l : *limbs) joints.insert(joints.end(), {l.proximal, l.distal, l.end});
-  return std::ranges::any_of(joints, [&](int i) { return i >= 0 && !is_deform_bone(s.joints[at(i)].name); });
-}
-
 body::Character arrange_joints(std::span<MeasuredMotion> motions, std::vector<std::string>& report, const body::AnatomyMapping* mapping,
                                bool mesh_ends) {
   const MeasuredMotion* longest = &motions[0];

@@ -1,6 +1,7 @@
 #include "ugoki/intake/deform_bones.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <string>
 #include <string_view>
@@ -24,7 +25,13 @@ std::string bone_of(const std::string& name) {
 
 }  // namespace
 
-bool is_deform_bone(std::string_view name) { return name.starts_with(deforms); }
+bool consists_of_mechanisms(const Skeleton& s, const body::Character& c) {
+  if (c.plan != body::BodyPlan::four_legs) return false;
+  std::vector<int> joints = {c.pelvis, c.chest};
+  for (const std::array<body::Limb, 2>* limbs : {&c.legs, &c.arms})
+    for (const body::Limb& l : *limbs) joints.insert(joints.end(), {l.proximal, l.distal, l.end});
+  return std::ranges::any_of(joints, [&](int i) { return i >= 0 && !s.joints[at(i)].name.starts_with(deforms); });
+}
 
 bool keep_deform_bones(std::span<MeasuredMotion> motions) {
   constexpr int fewest = 8;

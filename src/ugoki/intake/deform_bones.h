@@ -2,14 +2,15 @@
 // Reduces rigs that contain mechanisms besides the bones of the character. Internal to intake.
 
 #include <span>
-#include <string_view>
 
+#include "ugoki/body/recognise.h"
 #include "ugoki/motion/skeleton.h"
 
 namespace ugoki::intake {
 
-/// True if a bone has the name of one that deforms the mesh in a rig of Rigify ("DEF-thigh.L").
-[[nodiscard]] bool is_deform_bone(std::string_view name);
+/// True if trunk or limbs of a four-legged animal contain joints that do not deform the mesh of a rig of Rigify ("DEF-thigh.L"): joints of
+/// its mechanisms, or of a file without such a rig.
+[[nodiscard]] bool consists_of_mechanisms(const Skeleton& s, const body::Character& c);
 
 /// Leaves only the bones that deform the mesh, if the rig names them as Rigify of Blender does ("DEF-thigh.L"). In these rigs the bones
 /// hang on mechanisms: the spine on the root, the limbs on copies of its bones ("ORG-spine.005"). Each bone gets the deforming bone of the
