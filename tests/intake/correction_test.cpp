@@ -5,13 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-
 #include <cmath>
 #include <fstream>
 #include <iterator>
 
 #include "ugoki/formats/bvh.h"
 #include "ugoki/formats/trc.h"
+#include "ugoki/intake/arrange.h"
 #include "ugoki/intake/intake.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/samples/samples.h"
@@ -166,6 +166,40 @@ TEST(Correction, MechanismIsTurnedUprightIfItsAxesAreSpecified) {
   const Vec3 ball = X[static_cast<std::size_t>(post)] * m.link(post).shapes.at(0).X_BS.p;
   EXPECT_NEAR(ball.z, 1, 1e-12);
   EXPECT_NEAR(std::hypot(ball.x, ball.y), 0, 1e-12);
+}
+
+TEST(Arrange, TheCharacterHasTheJointsThatRemainWithoutACarrier) {
+  MeasuredMotion m;  // a creature of six limbs below a joint that carries it
+  m.rate = 30;
+  m.frames = 30;
+  const auto add = [&](const std::string& name, int parent, const Vec3& offset) {
+    SkeletonJoint j;
+    j.name = name;
+    j.parent = parent;
+    j.offset = offset;
+    j.translates = parent <= 0;
+    m.skeleton.joints.push_back(j);
+    return static_cast<int>(m.skeleton.joints.size()) - 1;
+  };
+  add("Armature", -1, {});
+  const int body = add("body", 0, {0, 0, 1});
+  const int chest = add("chest", body, {0.8, 0, 0});
+  for (int pair = 0; pair < 3; ++pair)
+    for (const double side : {1.0, -1.0}) {
+      const int upper = add("u", pair == 2 ? chest : body, {pair == 1 ? 0.4 : 0.0, 0.2 * side, 0});
+      add("f", add("l", upper, {0, 0.1 * side, -0.45}), {0, 0, -0.45});
+    }
+  add("top", add("head", add("neck", chest, {0.2, 0, 0.2}), {0.2, 0, 0.2}), {0.2, 0, 0});
+  for (int f = 0; f < m.frames; ++f)
+    for (const SkeletonJoint& j : m.skeleton.joints) {
+      m.translations.push_back(j.offset + (j.parent == 0 ? Vec3{0.02 * f, 0, 0.01 * (f % 3)} : Vec3{}));
+      m.rotations.push_back(j.parent <= 0 ? Quat{} : axis_angle({0, 1, 0}, 0.2 * std::sin(0.3 * f)));
+    }
+  std::vector<MeasuredMotion> motions = {m};
+  std::vector<std::string> report;
+  const body::Character c = arrange(motions, report);
+  ASSERT_LT(motions[0].joint_count(), m.joint_count());
+  EXPECT_EQ(c.parts.size(), static_cast<std::size_t>(motions[0].joint_count()));
 }
 
 }  // namespace

@@ -337,7 +337,6 @@ std::vector<std::string> merge_rigid_joints(std::span<MeasuredMotion> motions) {
 }
 
 namespace {
-
 /// True if the sections of all limbs begin at the same joints.
 bool same_sections(const body::Character& a, const body::Character& b) {
   const auto same = [](const body::Limb& x, const body::Limb& y) {
@@ -477,10 +476,12 @@ body::Character arrange_joints(std::span<MeasuredMotion> motions, std::vector<st
     }
   }
   if (character.plan == body::BodyPlan::other) {
-    for (const std::string& joint : remove_carrier_roots(motions))
+    const std::vector<std::string> removed = remove_carrier_roots(motions);
+    for (const std::string& joint : removed)
       report.push_back("Joint " + joint + " only carries " + motions[0].skeleton.joints[0].name + ", which moves relative to it; " + joint +
                        " is left out, and its movement was added to that joint.");
-    return character;
+    if (!removed.empty()) character = body::recognise_character(*longest, mapping);
+    if (character.plan == body::BodyPlan::other) return character;
   }
   const Skeleton& s = motions[0].skeleton;
   // The pelvis becomes the root of the character.
