@@ -35,7 +35,8 @@ constexpr const char* usage =
     "  --self               collisions between the links of the character\n"
     "  --set NAME VALUE     parameter of the controller\n"
     "  --scenes             run the scenes with a known answer instead of motions\n"
-    "  --trace              print the state every 0.05 s\n";
+    "  --trace              print the state every 0.05 s\n"
+    "  --landings           print a line for each landing of a foot\n";
 
 struct Options {
   bench::RunSettings settings;
@@ -88,6 +89,9 @@ std::vector<std::pair<std::string, double*>> parameters(control::BalanceOptions&
           {"early-rate", &o.early_rate},
           {"early", &o.early},
           {"hurry", &o.hurry},
+          {"pace-time", &o.pace_time},
+          {"max-pace", &o.max_pace},
+          {"pace-slope", &o.pace_slope},
           {"landing", &o.landing},
           {"jump-landing", &o.jump_landing},
           {"push-off", &o.push_off},
@@ -129,6 +133,8 @@ bool parse(int argc, char** argv, Options& o) {
       o.scenes = true;
     } else if (a == "--trace") {
       o.settings.trace = true;
+    } else if (a == "--landings") {
+      o.settings.landings = true;
     } else if (a == "--self") {
       o.settings.self_collision = true;
     } else if (a == "--friction") {

@@ -125,6 +125,49 @@ struct Surroundings {
   contact::GuardedStep guard;
 };
 
+/// Prints a line for each landing of a foot. Lengths along the heading of the character, in m; errors of the DCM, speeds in m/s.
+class LandingTrace {
+ public:
+  void update(double t, const control::BalanceControl& control, const control::BalanceOutput& result, const control::BalanceState& memory) {
+    const control::BalanceModel& model = control.model();
+    const Vec3 ahead = model.heading(), left = model.left();
+    const Vec3 centre = model.centroid.centre, v = model.centroid.velocity, e = result.dcm_error;
+    for (std::size_t f = 0; f < control.feet().size(); ++f) {
+      const bool on = memory.feet[f].stands != 0;
+      if (on && !stood_[f] && t > 0) {
+        const control::BalanceState::FootState& foot = memory.feet[f];
+        const control::BalanceState::FootState& other = memory.feet[1 - f];
+        const control::ScheduledFoot planned = control.schedule().at(f, memory.time);
+        const Vec3 sole = model.sole(f), sole_ref = model.reference_sole(f);
+        double low = 9, high = -9;
+        int bearing = 0;
+        for (const control::BearingPoint& b : control.support().bearing())
+          if (b.foot == static_cast<int>(f)) {
+            const double x = dot(b.p - sole, ahead);
+            low = std::min(low, x), high = std::max(high, x), ++bearing;
+          }
+        std::printf(
+            "landing %.3f foot %zu early %d ref %.3f untilend %.3f e %.4f %.4f shift %.4f %.4f place %.4f vz %.3f vzref %.3f v %.3f "
+            "vref %.3f L %.4f Lref %.4f z %.4f to %.4f other %.4f lower %.4f bear %d %.3f %.3f rate %.2f h %.3f tilt %.3f w0 %.3f side "
+            "%.4f reacts %d before %.4f %.4f pace %.3f\n",
+            t, f, static_cast<int>(foot.early), memory.time, planned.stands ? memory.time - planned.begin : memory.time - planned.end,
+            dot(e, ahead), dot(e, left), foot.shift[0] * ahead.x + foot.shift[1] * ahead.y, foot.shift[0] * left.x + foot.shift[1] * left.y,
+            foot.place[0] * ahead.x + foot.place[1] * ahead.y, v.z, model.want.velocity.z, dot(v, ahead), dot(model.want.velocity, ahead),
+            dot(sole - centre, ahead), dot(sole_ref - model.want.centre, ahead), sole.z, foot.to[2], other.to[2], memory.lower, bearing,
+            low, high, memory.rate, centre.z - memory.z, dot(Vec3{memory.tilt[0], memory.tilt[1], 0}, ahead), model.w0,
+            dot(sole - centre, left), static_cast<int>(reacted_[f]), dot(before_, ahead), dot(before_, left), memory.pace);
+      }
+      reacted_[f] = memory.feet[f].reacts != 0;
+      stood_[f] = on;
+    }
+    before_ = e;
+  }
+
+ private:
+  bool stood_[control::BalanceState::max_feet] = {}, reacted_[control::BalanceState::max_feet] = {};
+  Vec3 before_;
+};
+
 }  // namespace
 
 Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::ReferenceMotion>& reference, const RunSettings& settings) {
@@ -169,6 +212,7 @@ Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::
   double slips = 0, slip_sum = 0;
   std::vector<double> by_link(X.size());
   double control_time = 0, total_time = 0;
+  LandingTrace landings;
   long k = 0;
   for (; k < ticks; ++k) {
     const double t = static_cast<double>(k) * settings.dt;
@@ -185,6 +229,7 @@ Outcome run(const MechanismPtr& mechanism, const std::shared_ptr<const control::
     const double t1 = processor_time();
     const control::BalanceOutput result = control.step({state.q, state.v, contacts, 0, settings.dt}, memory, state.tau);
     const double t2 = processor_time();
+    if (settings.landings) landings.update(t, control, result, memory);
     out.max_iterations = std::max(out.max_iterations, result.iterations);
     out.unsolved += result.solved ? 0 : 1;
     for (Vec6& w : state.external) w = {};

@@ -64,7 +64,8 @@ struct RunSettings {
   Terrain terrain;
   Push push;
   control::BalanceOptions control;
-  bool trace = false;  ///< print the state every 0.05 s
+  bool trace = false;     ///< print the state every 0.05 s
+  bool landings = false;  ///< print a line for each landing of a foot
 };
 
 /// Runs the reference from its beginning on a level floor.

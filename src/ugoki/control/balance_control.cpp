@@ -8,6 +8,38 @@
 #include "ugoki/spatial/elementary.h"
 
 namespace ugoki::control {
+namespace {
+
+/// How uneven the ground of the last steps is, from 0 (level) to 1.
+double unevenness(const BalanceModel& model, const BalanceState& state) {
+  constexpr double level = 0.005, uneven = 0.02;  // m: rises and humps of steps that count as level, and fully as uneven
+  double share = norm(Vec3{state.tilt[0], state.tilt[1], 0}) / model.options.pace_slope;
+  for (std::size_t f = 0; f < model.feet.size(); ++f) {
+    const BalanceState::FootState& foot = state.feet[f];
+    share = std::max(share, (std::fabs(foot.to[2] - foot.from[2]) + foot.bump - level) / (uneven - level));
+  }
+  return share < 1e-6 ? 0 : std::min(share, 1.0);
+}
+
+/// Rate of the reference's time in an undisturbed step of a walk on uneven ground. The reference was made for level ground: its speed is
+/// not the one that its steps have uphill. A walker whose DCM is behind its reference takes its steps later, and one that is ahead takes
+/// them earlier. 1 for a character that stands, and before and after flights.
+double pace_of(const BalanceModel& model, const BalanceState& state, const Vec3& dcm_error) {
+  constexpr double slow = 0.1, walk = 0.2;  // speeds divided by sqrt(g h), h height of the centre of mass
+  constexpr double near_flight = 1;         // s
+  const BalanceOptions& o = model.options;
+  const double uneven = unevenness(model, state);
+  const Vec3 velocity = horizontal(model.want.velocity);
+  const double speed = norm(velocity), froude = speed * model.w0 / norm(o.gravity);  // w0 = sqrt(g / h)
+  if (uneven == 0 || froude <= slow) return 1;
+  for (const Flight& f : model.schedule.flights())
+    if (f.begin < state.time + near_flight && f.end > state.time - near_flight) return 1;
+  const double share = uneven * std::min(1.0, (froude - slow) / (walk - slow));
+  const double ahead = dot(dcm_error, velocity) / (speed * speed);  // s
+  return 1 + share * std::clamp(ahead / o.pace_time, -o.max_pace, o.max_pace);
+}
+
+}  // namespace
 
 BalanceControl::BalanceControl(MechanismPtr mechanism, std::shared_ptr<const ReferenceMotion> reference, const BalanceOptions& options,
                                double floor, std::optional<GroundMap> ground)
@@ -63,6 +95,8 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
 
   if (static_cast<HangMode>(state.hang) == HangMode::lands) acceleration.z = std::min(acceleration.z, o.landing_brake * norm(o.gravity));
   out.hang = static_cast<HangMode>(state.hang);
+
+  state.pace = airborne ? 1 : pace_of(model_, state, out.dcm_error);
 
   // 6. Quadratic program
   program_.solve(model_, support_, in, acceleration, hang_.release(), state, tau, out);

@@ -63,6 +63,10 @@ class BalanceControl {
   [[nodiscard]] const FootSchedule& schedule() const { return model_.schedule; }
   [[nodiscard]] std::span<const Foot> feet() const { return model_.feet; }
   [[nodiscard]] const BalanceOptions& options() const { return model_.options; }
+  /// Kinematics of the character and of its reference in the last tick.
+  [[nodiscard]] const BalanceModel& model() const { return model_; }
+  /// Contacts and bearing points of the last tick.
+  [[nodiscard]] const GroundSupport& support() const { return support_; }
 
  private:
   BalanceModel model_;

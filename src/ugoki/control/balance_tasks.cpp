@@ -108,12 +108,12 @@ void add_swing_task(const BalanceModel& model, const BalanceInput& in, std::size
   const Vec3 v_ref = dynamics::point_velocity(model.ref, foot.link, p_ref);
   Vec3 speed = v_ref + (shift - offset) * s.rate;
   // The height of the foot above the ground is that of the reference.
-  const SwingPath ground = swing_path(memory, goal, speed, phase);
+  const Vec3 v = dynamics::point_velocity(model.now, foot.link, p);
+  const SwingPath ground = path_over_obstacles(memory, {goal, speed}, {p, v}, phase);
   goal.z += ground.height - model.floor - state.z + state.lower;
   speed.z += ground.rate;
   a += (shift - offset) * s.acceleration;
   const double w = model.options.swing_frequency;
-  const Vec3 v = dynamics::point_velocity(model.now, foot.link, p);
   Vec3 target = a + (goal - p) * (w * w) + (speed - v) * (2 * w);
   if (late) target.z = model.options.sole_damping * (-model.options.press_speed - v.z);
   const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

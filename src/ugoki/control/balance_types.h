@@ -59,7 +59,11 @@ struct BalanceOptions {
   double shift_time = 0.03;     ///< s: time constant with which the shift of the next foothold is updated
   double max_shift = 0.8;       ///< m: maximum shift of the next foothold from its place in the reference
   double hurry = 1, hurry_from = 0.15,
-         max_hurry = 1.4;         ///< 1/m, m, factor: rate of time in a swing = 1 + hurry (shift - hurry_from), between 1 and max_hurry
+         max_hurry = 1.4;  ///< 1/m, m, factor: rate of time in a swing = 1 + hurry (shift - hurry_from), between 1 and max_hurry
+  double pace_time =
+      0.5;  ///< s: a character whose DCM is ahead of its reference by the way of a time t follows it faster by t / pace_time ...
+  double max_pace = 0.1;          ///< ... but at most by this share ...
+  double pace_slope = 0.05;       ///< ... and on ground with at least this slope (rise per length); on ground with less slope by less
   double clearance = 0.01;        ///< m: added to the height of a swing foot in the middle of the swing
   double rough_clearance = 0.05;  ///< m: maximum further height over ground that deviates from the line between both footholds
   double raise_speed = 0.6;       ///< m/s: a swing foot that touches something is raised at this speed ...
@@ -129,6 +133,7 @@ struct BalanceState {
   std::uint64_t started = 0;
   double time = 0;                   ///< s: time of the reference
   double rate = 1;                   ///< seconds of the reference per second
+  double pace = 1;                   ///< rate of the reference's time in an undisturbed step
   double clock = 0;                  ///< s: time since the controller started
   double trouble = 0;                ///< s: time for which the DCM has been outside the support
   double x = 0, y = 0, heading = 0;  ///< m, rad: displacement of the reference by the anchor

@@ -70,8 +70,7 @@ void update_phase(const BalanceModel& model, const GroundSupport& support, doubl
           height_in_reference(model, f, state) > model.options.scuff)
         foot.raise = std::min(model.options.max_raise, foot.raise + dt * model.options.raise_speed);
       const double swing = planned.stands ? 1 : (state.time - planned.begin) / (planned.end - planned.begin);
-      if (support.touching(f) > 0 && swing > model.options.early &&
-          (planned.stands || !is_rough(model, state, foot) || is_low(model, support, f, planned))) {
+      if (support.touching(f) > 0 && swing > model.options.early && (planned.stands || is_low(model, support, f, planned))) {
         foot.stands = 1;
         foot.early = planned.stands ? 0 : 1;
         foot.lost = 0;
@@ -85,6 +84,7 @@ void update_phase(const BalanceModel& model, const GroundSupport& support, doubl
   }
   for (std::size_t f = 0; f < model.feet.size(); ++f)
     if (!state.feet[f].stands && !state.feet[f].reacts && model.schedule.at(f, state.time).stands) state.rate = model.options.late_rate;
+  if (state.rate == 1) state.rate = state.pace;
   state.started = 1;
   if (const Flight* flight = model.flight(state)) {
     // The reference lands when the character lands: its time runs so that both flights end together.

@@ -45,4 +45,12 @@ SwingPath swing_path(const BalanceState::FootState& foot, const Vec3& p, const V
   return {foot.from[2] + rise * s + foot.bump * hump.value, (rise + foot.bump * hump.rate) * rate};
 }
 
+SwingPath path_over_obstacles(const BalanceState::FootState& foot, const MovingPoint& goal, const MovingPoint& sole, double phase) {
+  constexpr double straight = 1e-3;  // m: a lower hump is none
+  const SwingPath planned = swing_path(foot, goal.p, goal.v, phase);
+  if (foot.bump < straight) return planned;
+  const SwingPath present = swing_path(foot, sole.p, sole.v, phase);
+  return present.height > planned.height ? present : planned;
+}
+
 }  // namespace ugoki::control

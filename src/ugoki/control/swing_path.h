@@ -34,4 +34,13 @@ struct SwingPath {
 /// @param p, v m, m/s, world: position and velocity of the sole @param phase 0 to 1: phase of the swing
 [[nodiscard]] SwingPath swing_path(const BalanceState::FootState& foot, const Vec3& p, const Vec3& v, double phase);
 
+/// A point and its velocity.
+struct MovingPoint {
+  Vec3 p, v;  ///< m, m/s, world
+};
+/// The path at the goal of the sole or at the sole itself, whichever is higher, where the path has a hump: a foot that lags behind its goal
+/// on the way down from an edge would touch the edge with its heel.
+[[nodiscard]] SwingPath path_over_obstacles(const BalanceState::FootState& foot, const MovingPoint& goal, const MovingPoint& sole,
+                                            double phase);
+
 }  // namespace ugoki::control
