@@ -213,7 +213,12 @@ class RandomCommands : public RandomItems {
     if (s.shots.size() > max_length) return remove("shot.remove", s.shots);
     if (s.cameras.size() > max_length) return remove("camera.remove", s.cameras);
     if (s.instances.size() > 4) return remove("instance.remove", s.instances);
-    if (s.scenarios.size() > 4) return remove("scenario.remove", s.scenarios);  // refused while it is placed
+    if (s.scenarios.size() > 4) {  // a scenario is removed only if nothing places it
+      const Scenario& host = pick(2) || s.instances.empty() ? any(s.scenarios) : s;
+      if (pick(2) || host.instances.empty()) return remove("scenario.remove", s.scenarios);
+      const std::string command = remove("instance.remove", host.instances);
+      return &host == &s ? command : R"({"type": "in", "scenario": ")" + host.id + R"(", "command": )" + command + "}";
+    }
     if (s.characters.empty() || s.characters[0].locked) return {};
     for (const ScenarioClip& clip : s.characters[0].track) {
       if (s.characters[0].track.size() > max_length) return command_on(s, "clip.remove", "");
