@@ -212,6 +212,7 @@ class RandomCommands : public RandomItems {
     if (s.poses.size() > max_length) return remove("pose.remove", s.poses);
     if (s.shots.size() > max_length) return remove("shot.remove", s.shots);
     if (s.cameras.size() > max_length) return remove("camera.remove", s.cameras);
+    if ((s.instances.size() > 4 || s.scenarios.size() > 4) && !s.circuit.empty()) return R"({"type": "circuit.set", "circuit": null})";
     if (s.instances.size() > 4) return remove("instance.remove", s.instances);
     if (s.scenarios.size() > 4) {  // a scenario is removed only if nothing places it
       const Scenario& host = pick(2) || s.instances.empty() ? any(s.scenarios) : s;
