@@ -204,7 +204,11 @@ class RandomCommands : public RandomItems {
     const auto remove = [&](const char* type, const auto& list) {
       return R"({"type": ")" + std::string(type) + R"(", "id": ")" + list[pick(list.size())].id + "\"}";
     };
-    if (s.characters.size() > max_length) return R"({"type": "character.remove", "id": ")" + s.characters.back().id + "\"}";
+    if (s.characters.size() > max_length) {  // a locked track keeps others from being removed whose removal would change it
+      const std::string& id = any(s.characters).id;
+      if (pick(3) == 0) return R"({"type": "character.set", "id": ")" + id + R"(", "locked": false})";
+      return R"({"type": "character.remove", "id": ")" + (pick(2) ? id : s.characters.back().id) + "\"}";
+    }
     if (s.events.size() > max_length) return remove("event.remove", s.events);
     if (s.markers.size() > max_length) return remove("marker.remove", s.markers);
     if (s.rules.size() > max_length) return remove("rule.remove", s.rules);
