@@ -21,7 +21,6 @@ class UgokiWorld final : public StepWorld {
       : source_(source),
         ground_{.height = 0, .friction = source.friction, .restitution = 0},
         scene_(source.mechanisms, ground_, {.self_collision = true}),
-        shared_(dynamics::make_scene_kinematics(scene_.systems())),
         search_(scene_, margin),
         stepper_(source.mechanisms, {.gravity = {0, 0, -source.gravity}}),
         guard_scene_(source.mechanisms, ground_),
@@ -44,15 +43,12 @@ class UgokiWorld final : public StepWorld {
     for (std::size_t s = 0; s < states_.size(); ++s) {
       State& x = states_[s];
       motions_.push_back({x.q, x.v});
-      systems_.push_back({x.q, x.v, x.tau, {}, gains_[s], targets_[s]});
+      systems_.push_back({x.q, x.v, x.tau, {}, gains_[s], targets_[s], &guard_.end()[s]});
     }
-    search_.set_shared_kinematics(shared_);
-    stepper_.set_shared_kinematics(&shared_);
-    guard_.set_shared_kinematics(&shared_);
   }
 
   void step() override {
-    contacts_ = &search_.find(motions_, source_.dt);
+    contacts_ = &search_.find(motions_, source_.dt, guard_.end());
     if (source_.servo_gain > 0) update_servos();
     if (take_step().status != contact::StepStatus::ok) throw std::runtime_error("Ugoki: the step failed");
   }
@@ -106,7 +102,11 @@ class UgokiWorld final : public StepWorld {
   }
 
   contact::StepReport take_step() {
-    if (contacts_->empty()) return stepper_.step(systems_, *contacts_, source_.dt);
+    if (contacts_->empty()) {
+      const contact::StepReport report = stepper_.step(systems_, *contacts_, source_.dt);
+      guard_.set_end(systems_);
+      return report;
+    }
     std::ranges::fill(touches_itself_, char{0});
     for (const collision::ContactPoint& c : *contacts_)
       if (c.system_a >= 0 && c.system_a == c.system_b) touches_itself_[static_cast<std::size_t>(c.system_a)] = 1;
@@ -118,7 +118,6 @@ class UgokiWorld final : public StepWorld {
   const StepSource& source_;
   collision::Ground ground_;
   collision::Scene scene_;
-  dynamics::SceneKinematics shared_;
   contact::ContactSearch search_;
   contact::Stepper stepper_;
   collision::Scene guard_scene_;

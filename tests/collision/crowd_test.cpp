@@ -5,6 +5,7 @@
 
 #include <tuple>
 
+#include "../mechanism/chain.h"
 #include "allocation_count.h"
 #include "random_shapes.h"
 #include "ugoki/collision/broad_phase.h"
@@ -16,20 +17,13 @@ namespace {
 
 /// A chain of `links` links with one shape each; the first link is attached to the world by a joint of the given type.
 MechanismPtr chain(test::Random& random, int links, JointType first) {
-  MechanismSpec spec;
-  spec.name = "chain";
-  for (int i = 0; i < links; ++i) {
-    LinkSpec l;
-    l.name = "link" + std::to_string(i);
-    if (i > 0) l.parent = "link" + std::to_string(i - 1);
+  return testing::make_chain(links, [&](int i, LinkSpec& l) {
     l.joint.type = i == 0 ? first : JointType::revolute;
     l.joint.axis = random.unit();
     l.joint.X_PJ.p = i == 0 ? random.vec(1) : random.vec(0.3);
     l.inertia = Inertia::from_centre(1, {}, {0.1, 0.1, 0.1, 0, 0, 0});
     l.shapes = {random.below(4) == 0 ? Shape::cylinder(0.1, 0.2) : random.shape()};
-    spec.links.push_back(l);
-  }
-  return Mechanism::make(std::move(spec)).value();
+  });
 }
 
 /// Moving mechanisms with their state and poses.

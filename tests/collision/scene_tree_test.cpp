@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "../mechanism/chain.h"
 #include "random_shapes.h"
 #include "ugoki/mechanism/state.h"
 
@@ -13,20 +14,13 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 MechanismPtr chain(test::Random& random, const Vec3& base, bool fixed_first) {
-  MechanismSpec spec;
-  spec.name = "chain";
-  for (int i = 0; i < 6; ++i) {
-    LinkSpec l;
-    l.name = "link" + std::to_string(i);
-    if (i > 0) l.parent = "link" + std::to_string(i - 1);
+  return testing::make_chain(6, [&](int i, LinkSpec& l) {
     l.joint.type = i == 0 && fixed_first ? JointType::fixed : JointType::revolute;
     l.joint.axis = random.unit();
     l.joint.X_PJ.p = i == 0 ? base : Vec3{0.35, 0, 0};
     l.inertia = Inertia::from_centre(1, {0.2, 0, 0}, {0.01, 0.01, 0.01, 0, 0, 0});
     l.shapes = {i % 2 == 0 ? Shape::capsule(0.04, {0.05, 0, 0}, {0.3, 0, 0}) : Shape::cylinder(0.05, 0.1, {Mat3::identity(), {0.2, 0, 0}})};
-    spec.links.push_back(l);
-  }
-  return Mechanism::make(spec).value();
+  });
 }
 
 TEST(SceneTree, MatchesFindContactsAndBruteForce) {

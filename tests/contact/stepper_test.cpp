@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "../mechanism/chain.h"
 #include "allocation_count.h"
 #include "ugoki/base/hash.h"
 #include "world.h"
@@ -11,22 +12,14 @@ namespace {
 
 /// A chain of capsules on a floating base, like a falling ragdoll.
 MechanismPtr rag(int links) {
-  MechanismSpec spec;
-  spec.name = "rag";
-  for (int i = 0; i < links; ++i) {
-    LinkSpec l;
-    l.name = "link" + std::to_string(i);
-    if (i > 0) l.parent = "link" + std::to_string(i - 1);
+  return testing::make_chain(links, [](int i, LinkSpec& l) {
     l.joint.type = i == 0 ? JointType::floating : i % 2 ? JointType::spherical : JointType::revolute;
     l.joint.axis = {0, 1, 0};
     if (i > 0) l.joint.X_PJ.p = {0.3, 0, 0};
     for (int k = 0; k < l.joint.nv() && i > 0; ++k) l.joint.dofs[static_cast<std::size_t>(k)] = {-1.0, 1.0, 0.5, 0, 0, 0, 0, 1e9};
-    const Shape shape = Shape::capsule(0.05, {0, 0, 0}, {0.3, 0, 0});
-    l.inertia = solid_inertia(shape, 1000);
-    l.shapes.push_back(shape);
-    spec.links.push_back(l);
-  }
-  return Mechanism::make(std::move(spec)).value();
+    l.shapes.push_back(Shape::capsule(0.05, {0, 0, 0}, {0.3, 0, 0}));
+    l.inertia = solid_inertia(l.shapes[0], 1000);
+  });
 }
 
 TEST(Stepper, BoxComesToRestAndStays) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "ugoki/dynamics/kernels.h"
+
 namespace ugoki::control {
 namespace {
 
@@ -55,6 +57,33 @@ TEST(ContactForces, StandingWeightIsSharedWithoutMissingWrench) {
   EXPECT_LT(norm(missing.v), 0.01);
   EXPECT_LT(norm(missing.w), 0.01);
   for (const Vec3& f : forces) EXPECT_GE(f.z, 0);
+}
+
+TEST(ContactForces, HaveTheSameBitsForAllSimdWidths) {
+  std::mt19937_64 engine(5);
+  for (int trial = 0; trial < 50; ++trial) {
+    std::vector<Support> feet = two_feet(0.7);
+    for (Support& s : feet) s.cost = 1 + 0.5 * trial;
+    Vec6 wrench;
+    for (int k = 0; k < 3; ++k) {
+      wrench.w[k] = random_number(engine, 200);
+      wrench.v[k] = random_number(engine, 800);
+    }
+    std::vector<Vec3> first(feet.size()), forces(feet.size());
+    Vec6 first_missing;
+    for (const dynamics::SimdWidth width : {dynamics::SimdWidth::plain, dynamics::SimdWidth::avx2, dynamics::SimdWidth::avx512}) {
+      if (!dynamics::use_simd(width)) continue;
+      ContactForceProblem problem;
+      const Vec6 missing = problem.solve(feet, {0.07, 0, 0.9}, wrench, 0.9, 1e-4, forces);
+      if (width == dynamics::SimdWidth::plain) {
+        first = forces;
+        first_missing = missing;
+      }
+      EXPECT_EQ(forces, first) << "trial " << trial;
+      EXPECT_EQ(missing, first_missing) << "trial " << trial;
+    }
+    dynamics::use_simd(dynamics::widest_simd());
+  }
 }
 
 TEST(ContactForces, MatchesIndependentOptimizer) {

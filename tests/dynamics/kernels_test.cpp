@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 
+#include "../mechanism/chain.h"
 #include "allocation_count.h"
 #include "ugoki/dynamics/batch.h"
 #include "ugoki/dynamics/dynamics.h"
@@ -133,19 +134,12 @@ TEST(Kernels, SingularTwinsAreReported) {
 }
 
 MechanismPtr make_chain(int links) {
-  MechanismSpec spec;
-  spec.name = "chain";
-  for (int i = 0; i < links; ++i) {
-    LinkSpec l;
-    l.name = "l" + std::to_string(i);
-    if (i > 0) l.parent = "l" + std::to_string(i - 1);
+  return testing::make_chain(links, [](int i, LinkSpec& l) {
     l.joint.type = JointType::revolute;
     l.joint.axis = {i % 3 == 0 ? 1.0 : 0.0, i % 3 == 1 ? 1.0 : 0.0, i % 3 == 2 ? 1.0 : 0.0};
     l.joint.X_PJ.p = {0, 0, 0.3};
     l.inertia = Inertia::from_centre(1, {0.01, 0, 0.15}, {0.01, 0.01, 0.002, 0, 0, 0});
-    spec.links.push_back(std::move(l));
-  }
-  return Mechanism::make(std::move(spec)).value();
+  });
 }
 
 // The chain is 3 km long and nearly straight. Rounding errors of the torques are proportional to the maximum moment of the weight, so

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "../mechanism/chain.h"
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/mechanism/state.h"
 
@@ -16,27 +17,20 @@ constexpr Vec3 gravity{0, 0, -9.81};
 
 /// A fixed post and a chain of rods along `direction`, each 0.1 m long with a mass of 0.1 kg.
 MechanismPtr chain(int rods, const Vec3& direction, JointType type = JointType::revolute) {
-  MechanismSpec spec;
-  spec.name = "chain";
-  LinkSpec post;
-  post.name = "post";
-  post.inertia = Inertia::from_centre(1, {}, {0.01, 0.01, 0.01, 0, 0, 0});
-  spec.links.push_back(post);
-  for (int i = 0; i < rods; ++i) {
-    LinkSpec rod;
-    rod.name = "rod" + std::to_string(i);
-    rod.parent = spec.links.back().name;
-    rod.joint.type = type;
-    rod.joint.axis = {0, 1, 0};
-    if (i > 0) rod.joint.X_PJ.p = direction * 0.1;
+  return testing::make_chain(rods + 1, [&](int i, LinkSpec& link) {
+    if (i == 0) {
+      link.inertia = Inertia::from_centre(1, {}, {0.01, 0.01, 0.01, 0, 0, 0});
+      return;
+    }
+    link.joint.type = type;
+    link.joint.axis = {0, 1, 0};
+    if (i > 1) link.joint.X_PJ.p = direction * 0.1;
     const double I = 0.1 * 0.1 * 0.1 / 12, small = 1e-5;
     const Vec3 d = direction;
-    rod.inertia = Inertia::from_centre(0.1, direction * 0.05,
-                                       {I * (1 - d.x * d.x) + small, I * (1 - d.y * d.y) + small, I * (1 - d.z * d.z) + small,
-                                        -I * d.x * d.y, -I * d.x * d.z, -I * d.y * d.z});
-    spec.links.push_back(rod);
-  }
-  return Mechanism::make(std::move(spec)).value();
+    link.inertia = Inertia::from_centre(0.1, direction * 0.05,
+                                        {I * (1 - d.x * d.x) + small, I * (1 - d.y * d.y) + small, I * (1 - d.z * d.z) + small,
+                                         -I * d.x * d.y, -I * d.x * d.z, -I * d.y * d.z});
+  });
 }
 
 /// Integrates the chain with its springs and dampers in small explicit steps (semi-implicit Euler, 20 us), which do not damp.
@@ -116,7 +110,7 @@ TEST(SpringChains, RefusesImpossibleChains) {
   const auto slow = with_spring_chains(*m, {{{1, 0.1, 0.1}}}, m->neutral(), gravity, 0);
   ASSERT_FALSE(slow);
   // A hanging rod of length l swings at sqrt(3 g / (2 l)) / 2 pi = 1.37 Hz for l = 0.2 m; the free second rod makes it a little slower.
-  EXPECT_NE(slow.error().text().find("link rod0: Under gravity alone, the chain swings at 1.3"), std::string::npos) << slow.error().text();
+  EXPECT_NE(slow.error().text().find("link link1: Under gravity alone, the chain swings at 1.3"), std::string::npos) << slow.error().text();
   EXPECT_FALSE(with_spring_chains(*m, {{{0, 2, 0.1}, {1, 2, 0.1}}}, m->neutral(), gravity, 0)) << "the second chain is part of the first";
   MechanismSpec spec;
   LinkSpec body;

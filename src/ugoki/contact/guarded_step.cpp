@@ -62,7 +62,7 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
     size_.resize(size_.size() + links);
     end_.emplace_back(*m);
   }
-  for (const dynamics::KinematicsAt& end : end_) views_.emplace_back(end.kinematics.X_WB);
+  for (const dynamics::KnownKinematics& end : end_) views_.emplace_back(end.values().X_WB);
   moved_.resize(views_.size());
   may_pass_.resize(views_.size());
   half_thickness_.assign(size_.size(), HUGE_VAL);
@@ -82,11 +82,12 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
 
 /// Calculates the kinematics of one system at the end of the pass.
 void GuardedStep::set_end(std::size_t s, const StepSystem& system) {
-  const Mechanism& m = stepper_->mechanism(static_cast<int>(s));
-  dynamics::KinematicsAt& end = end_[s];
-  dynamics::update_kinematics(m, system.q, system.v, end.kinematics);
-  std::ranges::copy(system.q, end.q.begin());
-  std::ranges::copy(system.v, end.v.begin());
+  end_[s].update(stepper_->mechanism(static_cast<int>(s)), system.q, system.v);
+  views_[s] = end_[s].values().X_WB;
+}
+
+void GuardedStep::set_end(std::span<const StepSystem> systems) {
+  stepper_->for_each_system([&](std::size_t s) { set_end(s, systems[s]); });
 }
 
 /// Calculates the poses at the end of the pass, and marks in moved_ the systems whose end positions must be checked for overlaps, and in
@@ -100,7 +101,7 @@ void GuardedStep::update_end_poses(std::span<const StepSystem> systems, double d
     }
     const std::span<const Pose> begin = stepper_->workspace(static_cast<int>(s)).X_WB;
     set_end(s, systems[s]);
-    const std::span<const Pose> end = end_[s].kinematics.X_WB;
+    const std::span<const Pose> end = end_[s].values().X_WB;
     double motion = 0;
     for (std::size_t i = 0; i < end.size(); ++i, ++size) {
       constexpr double inv_sqrt2 = 0.7071067811865476;  // |T - R| / sqrt(2): distance that a point at unit distance from the axis moves.
@@ -142,7 +143,7 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
       const int at = side == 0 ? c.system_a : c.system_b, link = side == 0 ? c.link_a : c.link_b;
       if (at < 0) continue;
       const auto l = static_cast<std::size_t>(link);
-      const Pose &now = stepper_->workspace(at).X_WB[l], &end = end_[static_cast<std::size_t>(at)].kinematics.X_WB[l];
+      const Pose &now = stepper_->workspace(at).X_WB[l], &end = end_[static_cast<std::size_t>(at)].values().X_WB[l];
       const double turn = turn_between(now.R, end.R);
       if (turn <= turned) continue;
       turned = turn;
@@ -207,7 +208,7 @@ StepReport GuardedStep::step_whole(std::span<StepSystem> systems, std::span<cons
     if (passes_ == 1) {
       for (std::size_t s = 0; s < systems.size(); ++s) views_[s] = stepper_->workspace(static_cast<int>(s)).X_WB;
       collision::begin_from(*scene_, views_, contacts, workspace_);
-      for (std::size_t s = 0; s < systems.size(); ++s) views_[s] = end_[s].kinematics.X_WB;
+      for (std::size_t s = 0; s < systems.size(); ++s) views_[s] = end_[s].values().X_WB;
     }
     update_end_poses(systems, dt);
     if (!add_overlaps(contacts, dt)) return report;
@@ -220,7 +221,7 @@ StepReport GuardedStep::step_whole(std::span<StepSystem> systems, std::span<cons
 /// Whether a link of the system may pass through another: it moves by more than its half thickness. The motion is estimated from the
 /// velocities of the links at the end of the pass, plus a quarter for links that are faster within the step.
 bool GuardedStep::may_pass(std::size_t s, double dt) const {
-  const dynamics::Kinematics& end = end_[s].kinematics;
+  const dynamics::Kinematics& end = end_[s].values();
   std::size_t at = first_link_[s];
   for (std::size_t i = 0; i < end.V.size(); ++i, ++at) {
     const Vec6& V = end.V[i];
@@ -306,12 +307,6 @@ StepReport GuardedStep::step_in_substeps(std::span<StepSystem> systems, std::spa
   return sum;
 }
 
-/// Leaves the kinematics at the end of the step in shared_. Belongs at the end of a step: it exchanges the memory of end_.
-void GuardedStep::share_end() {
-  if (shared_ == nullptr) return;
-  for (std::size_t s = 0; s < end_.size(); ++s) (*shared_)[s].exchange(end_[s]);
-}
-
 StepReport GuardedStep::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
   stepper_->limit_newton(max_newton_operations);
   search_.limit_work(max_distances + max_distances_of_shape * static_cast<std::int64_t>(scene_->shapes().size()));
@@ -320,11 +315,8 @@ StepReport GuardedStep::step(std::span<StepSystem> systems, std::span<const coll
   if (report.status == StepStatus::ok && (depth_ > too_deep || find_passage(systems, dt) < dt)) {
     attempt_begin_.restore(systems);
     std::swap(attempt_begin_, step_begin_);
-    report = step_in_substeps(systems, contacts, dt);
-    if (report.status == StepStatus::ok) share_end();
-    return report;
+    return step_in_substeps(systems, contacts, dt);
   }
-  if (report.status == StepStatus::ok) share_end();
   all_contacts_.assign(contacts_.begin(), contacts_.end());
   std::ranges::copy(contacts, all_contacts_.begin());  // the given distances, without resting_gap
   forces_.assign(stepper_->contact_forces().begin(), stepper_->contact_forces().end());

@@ -22,7 +22,7 @@
 #include "ugoki/collision/scene.h"
 #include "ugoki/contact/stepper.h"
 #include "ugoki/contact/swept_contacts.h"
-#include "ugoki/dynamics/shared_kinematics.h"
+#include "ugoki/dynamics/known_kinematics.h"
 
 namespace ugoki::contact {
 
@@ -42,8 +42,10 @@ class GuardedStep {
   /// Allocates nothing after warm-up, unless the number of contacts grows.
   StepReport step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
 
-  /// After each step that does not fail, leaves the kinematics at its end in `shared`; null: nowhere. @param shared [systems]
-  void set_shared_kinematics(dynamics::SceneKinematics* shared) { shared_ = shared; }
+  /// [systems] Kinematics at the end of the last step(), if it did not fail. The caller may exchange them for others.
+  [[nodiscard]] std::span<dynamics::KnownKinematics> end() { return end_; }
+  /// Computes the kinematics at the end of a step that was not guarded.
+  void set_end(std::span<const StepSystem> systems);
 
   /// Discards cached results of collision analysis, but keeps the memory. See collision::Workspace::forget().
   void forget() { workspace_.forget(); }
@@ -71,7 +73,6 @@ class GuardedStep {
   void add_forces(double fraction);
   [[nodiscard]] bool needs_gap(const collision::ContactPoint& c) const;
   [[nodiscard]] bool is_convex_pair(const collision::ContactPoint& c) const;
-  void share_end();
   void set_end(std::size_t s, const StepSystem& system);
   void update_end_poses(std::span<const StepSystem> systems, double dt);
   [[nodiscard]] bool may_pass(std::size_t s, double dt) const;
@@ -85,14 +86,13 @@ class GuardedStep {
   SweptContacts swept_;
   States attempt_begin_, step_begin_;  // states at the beginning of the present step or substep; of the complete step
   std::vector<collision::SystemMotion> motions_;
-  std::vector<dynamics::KinematicsAt> end_;  // kinematics at the end of the step; stepper_ has those at its beginning
-  dynamics::SceneKinematics* shared_ = nullptr;
-  std::vector<std::span<const Pose>> views_;  // poses in end_
-  std::vector<std::size_t> first_link_;       // [systems + 1] index in size_ of each system's first link
-  std::vector<double> size_;                  // m [links of all systems] radius about the link's origin that contains all its shapes
-  std::vector<char> moved_;                   // [systems] 1: a point moved by more than GuardOptions::depth in this pass
-  std::vector<char> may_pass_;                // [systems] result of may_pass() for this pass
-  std::vector<double> half_thickness_;        // m [links of all systems] half thickness of the link's thinnest shape
+  std::vector<dynamics::KnownKinematics> end_;  // kinematics at the end of the step; stepper_ has those at its beginning
+  std::vector<std::span<const Pose>> views_;    // poses in end_
+  std::vector<std::size_t> first_link_;         // [systems + 1] index in size_ of each system's first link
+  std::vector<double> size_;                    // m [links of all systems] radius about the link's origin that contains all its shapes
+  std::vector<char> moved_;                     // [systems] 1: a point moved by more than GuardOptions::depth in this pass
+  std::vector<char> may_pass_;                  // [systems] result of may_pass() for this pass
+  std::vector<double> half_thickness_;          // m [links of all systems] half thickness of the link's thinnest shape
   std::vector<collision::ContactPoint> found_, contacts_, near_;
   std::vector<collision::ContactPoint> all_contacts_;
   std::vector<Vec3> forces_;

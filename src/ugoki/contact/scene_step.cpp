@@ -9,7 +9,11 @@ SceneStep::SceneStep(const std::vector<MechanismPtr>& systems, const collision::
 
 StepReport SceneStep::step(std::span<StepSystem> systems, std::vector<collision::ContactPoint>& contacts, double dt) {
   forces_ = {};
-  if (contacts.empty()) return stepper_.step(systems, contacts, dt);
+  if (contacts.empty()) {
+    const StepReport report = stepper_.step(systems, contacts, dt);
+    guard_.set_end(systems);
+    return report;
+  }
   std::ranges::fill(touches_itself_, char{0});  // self-collision is tested only for systems with contacts between their own links
   for (const collision::ContactPoint& c : contacts)
     if (c.system_a >= 0 && c.system_a == c.system_b) touches_itself_[static_cast<std::size_t>(c.system_a)] = 1;

@@ -13,12 +13,6 @@ class SceneStep {
  public:
   SceneStep(const std::vector<MechanismPtr>& systems, const collision::Ground& ground, const StepperOptions& options);
 
-  /// Uses the kinematics in `shared`, which must outlive this object, and leaves those at the end of the step there. @param shared
-  /// [systems]
-  void set_shared_kinematics(dynamics::SceneKinematics& shared) {
-    stepper_.set_shared_kinematics(&shared);
-    guard_.set_shared_kinematics(&shared);
-  }
   /// Computes systems and islands on the threads of `executor`; null: on the calling thread. Both give the same bits.
   void set_executor(Executor* executor) { stepper_.set_executor(executor); }
 
@@ -27,6 +21,8 @@ class SceneStep {
   StepReport step(std::span<StepSystem> systems, std::vector<collision::ContactPoint>& contacts, double dt);
   /// [contacts of the last step] N, world: mean force over the step on body a of each contact; empty after a step without contacts.
   [[nodiscard]] std::span<const Vec3> forces() const { return forces_; }
+  /// [systems] Kinematics at the end of the last step, if it did not fail. The caller may exchange them for others.
+  [[nodiscard]] std::span<dynamics::KnownKinematics> end() { return guard_.end(); }
   [[nodiscard]] Stepper& stepper() { return stepper_; }
   [[nodiscard]] const Stepper& stepper() const { return stepper_; }
 

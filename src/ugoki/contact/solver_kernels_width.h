@@ -20,6 +20,7 @@ inline const RowLanes& lanes_at(const double* y) { return *reinterpret_cast<cons
 inline RowLanes& lanes_at(double* y) { return *reinterpret_cast<RowLanes*>(y); }
 
 void make_matrix(const MatrixArguments& m) {
+  int n = 0;
   for (int i = 0; i < m.count; ++i) {
     const RowBlock& a = m.blocks[m.order[i]];
     double* const rows = m.B + m.local[i] * m.stride;
@@ -45,12 +46,15 @@ void make_matrix(const MatrixArguments& m) {
           }
         }
       }
-      const int col = m.local[j];
-      for (int r = 0; r < a.rows; ++r) {
-        *reinterpret_cast<RowLanes*>(rows + r * m.stride + col) = sum[r];  // later blocks, or the padding, overwrite the unused lanes
-        for (int c = 0; c < b.rows; ++c) m.B[(col + c) * m.stride + m.local[i] + r] = sum[r][c];
-      }
+      // The unused lanes are overwritten by later blocks and by the upper half, or belong to the padding.
+      for (int r = 0; r < a.rows; ++r) lanes_at(rows + r * m.stride + m.local[j]) = sum[r];
     }
+    n = m.local[i] + a.rows;
+  }
+  for (int i = 1; i < n; ++i) {  // the upper half is that of a symmetric matrix
+    const double* const row = m.B + i * m.stride;
+    double* to = m.B + i;
+    for (int j = 0; j < i; ++j, to += m.stride) *to = row[j];
   }
 }
 

@@ -315,8 +315,7 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
     std::ranges::copy(systems[s].v, scratch_[s].v.begin());
     scratch_[s].is_inertial =
         scratch_[s].inertial && !scratch_[s].gripped && scratch_[s].inertial->turn(systems[s].v, dt) > InertialMotion::threshold;
-    dynamics::update_kinematics(*mechanisms_[s], systems[s].q, scratch_[s].v, shared_ == nullptr ? nullptr : &(*shared_)[s],
-                                workspaces_[s]);
+    dynamics::update_kinematics(*mechanisms_[s], systems[s].q, scratch_[s].v, systems[s].known, workspaces_[s]);
     if (prepared) prepare_and_keep(s);
   });
   find_impacts(systems, contacts, dt, report);

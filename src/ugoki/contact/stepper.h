@@ -38,7 +38,7 @@
 #include "ugoki/dynamics/articulated_factor.h"
 #include "ugoki/dynamics/closed_links.h"
 #include "ugoki/dynamics/dynamics.h"
-#include "ugoki/dynamics/shared_kinematics.h"
+#include "ugoki/dynamics/known_kinematics.h"
 
 namespace ugoki::contact {
 
@@ -71,6 +71,7 @@ struct StepSystem {
   std::span<const Vec6> external;          ///< [links] N m, N: wrenches about the world origin, world axes; empty: none
   std::span<const double> servo_gain;      ///< [nv] N m s/rad: the drive adds gain * (servo_velocity - v'); empty: none
   std::span<const double> servo_velocity;  ///< [nv] rad/s; v', the velocity after the step, is implicit, so that any gain is stable
+  const dynamics::KnownKinematics* known = nullptr;  ///< may have the kinematics at q and v; null: the step computes them
 };
 
 enum class StepStatus {
@@ -115,8 +116,6 @@ class Stepper {
   /// Computes systems and islands on the threads of `executor`; null: on the calling thread. The bits are equal in both cases. Scenes below
   /// min_parallel_dofs always use the calling thread.
   void set_executor(Executor* executor);
-  /// Copies the kinematics at the beginning of a step from `shared` if it has them; null: computes them. @param shared [systems]
-  void set_shared_kinematics(dynamics::SceneKinematics* shared) { shared_ = shared; }
   /// Calls body(s) for each system s, on the threads of the executor.
   template <class Body>
   void for_each_system(const Body& body) {
@@ -267,7 +266,6 @@ class Stepper {
   std::vector<MechanismPtr> mechanisms_;
   StepperOptions options_;
   Executor* executor_ = nullptr;
-  dynamics::SceneKinematics* shared_ = nullptr;
   std::vector<dynamics::Workspace> workspaces_;
   std::vector<SystemScratch> scratch_;
   std::vector<dynamics::FactorScratch> factor_scratch_;  // [workers] used by the factors of the systems that a worker computes

@@ -43,11 +43,13 @@ class ContactForceProblem {
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
-  std::vector<Vec6> columns_;    // [4 * supports] columns of the map G from edge forces to root force and moment; moments are divided by a
-                                 // length, so that all are in N
-  std::vector<Vec3> edges_;      // [4 * supports] edges of the friction pyramids, divided by sqrt(cost)
-  std::vector<double> pressed_;  // [4 * supports] G^T y, N: an edge bears load where it is positive
-  std::vector<unsigned char> loaded_;  // [4 * supports] 1: the edge bears load in the equation of the present Newton step
+  // The four edges of a support are in SIMD lanes.
+  std::vector<double> edges_;    // [supports][3][4] edges of the friction pyramids, divided by sqrt(cost)
+  std::vector<double> columns_;  // [supports][6][4] columns of the map G from edge forces to root moment and force; moments are divided by
+                                 // a length, so that all are in N
+  std::vector<double> scaled_;   // [supports][6][4] columns / eps of the edges that bear load; zeros for the other edges
+  std::vector<double> pressed_;  // [supports][4] G^T y, N: an edge bears load where it is positive
+  std::vector<double> loaded_;   // [supports][4] 1: the edge bears load in the equation of the present Newton step; else 0
   int iterations_ = 0;
 };
 

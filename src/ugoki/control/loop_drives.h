@@ -35,10 +35,10 @@ class LoopDrives {
  private:
   std::vector<Loop> loops_;
   dynamics::LoopRows rows_;
-  std::vector<double> weight_;    // [nv] 1 / strength^2 of a drive; joints without one: undriven_weight times the maximum; roots: 0
-  std::vector<char> in_loop_;     // [nv] 1: a row of a loop contains the DOF
-  std::vector<double> J_;         // [rows * nv]
-  std::vector<double> A_, x_;     // [rows * rows], [rows] normal equations
+  std::vector<double> weight_;  // [nv] 1 / strength^2 of a drive; joints without one: undriven_weight times the maximum; roots: 0
+  std::vector<char> in_loop_;   // [nv] 1: a row of a loop contains the DOF
+  std::vector<double> J_;       // [rows * nv]
+  std::vector<double> A_, x_;   // [rows * rows], [rows] normal equations
 };
 
 }  // namespace ugoki::control

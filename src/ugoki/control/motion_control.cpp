@@ -219,7 +219,7 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
 
   // Supports: contact points that touch the ground and that are planted in the reference.
   const std::size_t root_dofs = floating_ ? 6 : 0;
-  dynamics::update_kinematics(m, in.q, in.v, in.kinematics, ws);
+  dynamics::update_kinematics(m, in.q, in.v, in.known, ws);
   const Vec3 from_reference = floating_ ? Vec3{in.q[0] - in.q_ref[0], in.q[1] - in.q_ref[1], in.q[2] - in.q_ref[2]} : Vec3{};
   lost_ =
       floating_ ? std::clamp((calc_departure(in, from_reference, state.shift) - options_.lost_from) / options_.lost_range, 0.0, 1.0) : 0;
@@ -232,11 +232,19 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
     for (std::size_t k = 0; k < 3; ++k) wanted_[3 + k] += state.shift[k];
   const double joint_w = options_.joint_frequency * std::sqrt(std::max(0.0, options_.tracking));
   const double root_w = options_.root_frequency * std::sqrt(std::max(0.0, options_.balance));
+  struct Gains {  // of the predicted error and of its rate
+    double kp, kd;
+    Gains(double w, double dt) {
+      const double scale = 1 / (1 + dt * 2 * w + dt * dt * w * w);
+      kp = scale * w * w;
+      kd = scale * 2 * w;
+    }
+  };
+  const Gains of_root(root_w, in.dt), of_joints(joint_w, in.dt);
   for (std::size_t i = 0; i < n; ++i) {
-    const double w = i < root_dofs || bears_load_[i] ? root_w : joint_w;
-    const double kp = w * w, kd = 2 * w;
+    const Gains& gains = i < root_dofs || bears_load_[i] ? of_root : of_joints;
     const double slip = in.v_ref[i] - in.v[i];
-    wanted_[i] = in.a_ref[i] + (kp * (wanted_[i] + in.dt * slip) + kd * slip) / (1 + in.dt * kd + in.dt * in.dt * kp);
+    wanted_[i] = in.a_ref[i] + (gains.kp * (wanted_[i] + in.dt * slip) + gains.kd * slip);
   }
 
   // 2. Inverse dynamics
@@ -262,7 +270,9 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
     out.assist = out.wanted * (out.ratio > 1 ? 1 / out.ratio : 1.0);
     if (out.ratio > 1) give_up(out.wanted - out.assist, gravity, tau, ws);
     for (std::size_t c = 0; c < supports_.size(); ++c) {
-      const Vec6 wrench{cross(supports_[c].p - ws.p0, forces[c]), forces[c]};
+      Vec6 wrench{cross(supports_[c].p - ws.p0, forces[c]), forces[c]};
+      for (; c + 1 < supports_.size() && support_links_[c + 1] == support_links_[c]; ++c)
+        wrench += Vec6{cross(supports_[c + 1].p - ws.p0, forces[c + 1]), forces[c + 1]};
       for (const int f : dynamics::chain_of_link(ws, support_links_[c]))
         tau[static_cast<std::size_t>(f)] -= dot(ws.S[static_cast<std::size_t>(f)], wrench);
     }

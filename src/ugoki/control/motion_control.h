@@ -22,7 +22,7 @@
 #include "ugoki/control/contact_forces.h"
 #include "ugoki/control/loop_drives.h"
 #include "ugoki/dynamics/dynamics.h"
-#include "ugoki/dynamics/shared_kinematics.h"
+#include "ugoki/dynamics/known_kinematics.h"
 
 namespace ugoki::control {
 
@@ -74,7 +74,7 @@ struct ControlInput {
   std::span<const collision::ContactPoint> contacts;  ///< result of collision analysis at the present state
   int system = 0;                                     ///< index of this character in ContactPoint::system_a
   double dt = 0.002;                                  ///< s: duration of the tick
-  dynamics::SharedKinematics* kinematics = nullptr;   ///< may have the kinematics at q and v; null: MotionControl computes them
+  const dynamics::KnownKinematics* known = nullptr;   ///< may have the kinematics at q and v; null: MotionControl computes them
 };
 
 /// Output of one tick.

@@ -38,7 +38,10 @@ ArticulatedFactor::ArticulatedFactor(const Mechanism& m) {
   std::vector<int> children(n, 0);
   for (const FactorDof& dof : dofs_)
     if (dof.parent >= 0) ++children[static_cast<std::size_t>(dof.parent)];
-  for (FactorDof& dof : dofs_) dof.inertia = -1;
+  for (FactorDof& dof : dofs_) {
+    dof.inertia = -1;
+    dof.leaf = true;
+  }
   for (std::size_t k = n; k-- > 0;) {
     if (dofs_[k].inertia < 0) {
       dofs_[k].inertia = static_cast<int>(inertia_dof_.size());
@@ -46,6 +49,8 @@ ArticulatedFactor::ArticulatedFactor(const Mechanism& m) {
     }
     if (dofs_[k].parent < 0) continue;
     const auto parent = static_cast<std::size_t>(dofs_[k].parent);
+    dofs_[k].last_child = dofs_[parent].leaf;
+    dofs_[parent].leaf = false;
     if (children[parent] == 1 && count[parent] == count[parent + 1]) dofs_[parent].inertia = dofs_[k].inertia;
   }
   first_link_ = count;

@@ -21,6 +21,8 @@ struct FactorDof {
   int parent;                   // parent DOF; -1: base
   int depth;                    // number of ancestors
   int inertia;                  // index of the articulated-body inertia that the DOF uses
+  bool leaf;                    // no DOF has this one as its parent
+  bool last_child;              // no DOF behind this one has the same parent
 };
 
 /// The recursions over n DOFs, parents before children.

@@ -78,15 +78,19 @@ inline double accelerate(const FactorDof& dof, const Eight* scratch, double chan
 }
 
 void solve(const FactorDof* dofs, std::size_t n, Eight* scratch, double* x) {
-  for (std::size_t k = 0; k < n; ++k) low(scratch[k]) = high(scratch[k]) = Four{};
   for (std::size_t k = n; k-- > 0;) {
     const FactorDof& dof = dofs[k];
-    const Eight& f = scratch[k];
-    x[k] = dof.inverse * (x[k] - product(dof.S, f));
+    const double change = dof.inverse * (dof.leaf ? x[k] : x[k] - product(dof.S, scratch[k]));
+    x[k] = change;
     if (dof.parent < 0) continue;
+    Four f = low(dof.U) * change, f_high = high(dof.U) * change;
+    if (!dof.leaf) {
+      f = low(scratch[k]) + f;
+      f_high = high(scratch[k]) + f_high;
+    }
     Eight& up = scratch[dof.parent];
-    low(up) += low(f) + low(dof.U) * x[k];
-    high(up) += high(f) + high(dof.U) * x[k];
+    low(up) = dof.last_child ? f : low(up) + f;
+    high(up) = dof.last_child ? f_high : high(up) + f_high;
   }
   for (std::size_t k = 0; k < n; ++k) x[k] = accelerate(dofs[k], scratch, x[k], scratch[k]);
 }

@@ -1,16 +1,19 @@
 #include "ugoki/dynamics/kernels.h"
 
 #include "ugoki/dynamics/factor_kernels.h"
+#include "ugoki/dynamics/link_kernels.h"
 
 namespace ugoki::dynamics {
 
 namespace plain {
 extern const FactorKernels factor_table;
-}
+extern const LinkKernels link_table;
+}  // namespace plain
 #ifdef UGOKI_X86_WIDTHS
 namespace avx2 {
 extern const FactorKernels factor_table;
-}
+extern const LinkKernels link_table;
+}  // namespace avx2
 #endif
 
 namespace {
@@ -41,11 +44,26 @@ const Kernels& kernels() {
   return chosen != nullptr ? *chosen : *widest;
 }
 
+bool uses_avx2() {
+#ifdef UGOKI_X86_WIDTHS
+  return &kernels() != &plain::table;
+#else
+  return false;
+#endif
+}
+
 const FactorKernels& factor_kernels() {
 #ifdef UGOKI_X86_WIDTHS
-  if (&kernels() != &plain::table) return avx2::factor_table;
+  if (uses_avx2()) return avx2::factor_table;
 #endif
   return plain::factor_table;
+}
+
+const LinkKernels& link_kernels() {
+#ifdef UGOKI_X86_WIDTHS
+  if (uses_avx2()) return avx2::link_table;
+#endif
+  return plain::link_table;
 }
 
 bool use_simd(SimdWidth width) {

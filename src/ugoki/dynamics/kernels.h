@@ -104,6 +104,8 @@ inline constexpr int inertia_entries_at_once = 256;
 [[nodiscard]] SimdWidth widest_simd();
 /// The kernels in use: those of widest_simd(), unless use_simd() selected others.
 [[nodiscard]] const Kernels& kernels();
+/// Whether kernels() returns kernels for AVX2 or wider registers.
+[[nodiscard]] bool uses_avx2();
 /// Makes kernels() return the table of `width`. For tests and benchmarks only; call it before other threads use kernels().
 /// @return false if the processor or the build does not support `width`; kernels() then does not change
 bool use_simd(SimdWidth width);

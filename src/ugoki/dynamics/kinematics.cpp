@@ -1,12 +1,14 @@
 #include "ugoki/base/check.h"
 #include "ugoki/dynamics/dynamics.h"
+#include "ugoki/dynamics/link_kernels.h"
 #include "ugoki/mechanism/link_pose.h"
 
 namespace ugoki::dynamics {
 
 namespace {
 
-/// Pose, motion subspace, velocity and velocity-product acceleration of link i, from the pose and velocity of its parent.
+/// Pose, motion subspace, velocity and velocity-product acceleration of link i, from the pose and velocity of its parent. For joints that
+/// LinkKernels::kinematics does not compute.
 void update_link(const Mechanism& m, std::size_t i, std::span<const double> q, std::span<const double> v, Kinematics& out) {
   const Link& link = m.links()[i];
   const Joint& joint = link.joint;
@@ -18,47 +20,29 @@ void update_link(const Mechanism& m, std::size_t i, std::span<const double> q, s
   const Pose X_WB = link_pose(X_WJ, joint, qj);
   if (i == 0) out.p0 = X_WB.p;
   out.X_WB[i] = X_WB;
-  const Vec3 r = X_WB.p - out.p0;
-
-  Vec6 V = based ? out.V[parent] : Vec6{};
-  Vec6 C;
+  const Pose X{X_WB.R, X_WB.p - out.p0};
   Vec6* S = out.S.data() + link.v_index;
-  switch (joint.type) {
-    case JointType::fixed: break;
-    case JointType::revolute: {
-      const Vec3 axis = X_WJ.R * joint.axis;
-      S[0] = {axis, cross(r, axis)};
-      const Vec6 vJ = S[0] * vj[0];
-      C = cross_motion(V, vJ);  // vJ x vJ = 0
-      V += vJ;
-      break;
-    }
-    case JointType::spherical: {
-      for (int k = 0; k < 3; ++k) {
-        const Vec3 axis = X_WB.R.column(k);
-        S[k] = {axis, cross(r, axis)};
-      }
-      const Vec3 w = X_WB.R * Vec3{vj[0], vj[1], vj[2]};
-      const Vec6 vJ{w, cross(r, w)};
-      C = cross_motion(V, vJ);
-      V += vJ;
-      break;
-    }
-    default: {
-      Vec6 S_B[6];
-      const int n = joint_subspace(joint, qj, S_B);
-      const Pose X{X_WB.R, r};
-      Vec6 vJ;
-      for (int k = 0; k < n; ++k) {
-        S[k] = X.motion_to_parent(S_B[k]);
-        vJ += S[k] * vj[k];
-      }
-      V += vJ;
-      C = cross_motion(V, vJ) + X.motion_to_parent(joint_bias(joint, qj, vj));
-    }
+  Vec6 S_B[6], vJ;
+  const int n = joint_subspace(joint, qj, S_B);
+  for (int k = 0; k < n; ++k) {
+    S[k] = X.motion_to_parent(S_B[k]);
+    vJ += S[k] * vj[k];
   }
-  out.V[i] = V;
-  out.C[i] = C;
+  out.V[i] = based ? out.V[parent] + vJ : vJ;
+  out.C[i] = cross_motion(out.V[i], vJ) + X.motion_to_parent(joint_bias(joint, qj, vj));
+}
+
+/// Kinematics of the links from `begin` to `end`.
+void update_links(const Mechanism& m, std::span<const double> q, std::span<const double> v, std::size_t begin, std::size_t end,
+                  bool inertias, Kinematics& k) {
+  const KinematicsArguments a{m.links().data(), m.places().data(), q.data(),   v.data(),   &k.p0,
+                              k.X_WB.data(),    k.S.data(),        k.V.data(), k.C.data(), inertias ? k.I.data() : nullptr};
+  for (std::size_t i = begin;; ++i) {
+    i = link_kernels().kinematics(a, i, end);
+    if (i == end) return;
+    update_link(m, i, q, v, k);
+    if (inertias) k.I[i] = m.links()[i].inertia.in_parent({k.X_WB[i].R, k.X_WB[i].p - k.p0});
+  }
 }
 
 /// update_link() for a mechanism that is one free body. The motion subspace is exact: rotation about the body's axes, translation along the
@@ -83,23 +67,20 @@ void update_free_body(const Link& link, std::span<const double> q, std::span<con
 void update_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, Kinematics& out) {
   UGOKI_CHECK(static_cast<int>(q.size()) == m.nq() && static_cast<int>(v.size()) == m.nv());
   if (out.X_WB.size() == 1 && m.link(0).joint.type == JointType::floating) return update_free_body(m.link(0), q, v, out);
-  for (std::size_t i = 0; i < out.X_WB.size(); ++i) {
-    update_link(m, i, q, v, out);
-    out.I[i] = m.links()[i].inertia.in_parent({out.X_WB[i].R, out.X_WB[i].p - out.p0});
-  }
+  update_links(m, q, v, 0, out.X_WB.size(), true, out);
 }
 
 void update_path_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, int link, std::span<char> known,
                             Kinematics& out) {
   UGOKI_CHECK(static_cast<int>(q.size()) == m.nq() && static_cast<int>(v.size()) == m.nv());
   UGOKI_CHECK(static_cast<int>(known.size()) == m.link_count());
-  if (known[0] == 0) update_link(m, 0, q, v, out);  // all other links use the reference point p0
+  if (known[0] == 0) update_links(m, q, v, 0, 1, false, out);  // all other links use the reference point p0
   known[0] = 1;
   while (known[static_cast<std::size_t>(link)] == 0) {
     int next = link;  // the unknown link of the path that is closest to the base
     for (int parent = m.link(next).parent; parent >= 0 && known[static_cast<std::size_t>(parent)] == 0; parent = m.link(next).parent)
       next = parent;
-    update_link(m, static_cast<std::size_t>(next), q, v, out);
+    update_links(m, q, v, static_cast<std::size_t>(next), static_cast<std::size_t>(next) + 1, false, out);
     known[static_cast<std::size_t>(next)] = 1;
   }
 }

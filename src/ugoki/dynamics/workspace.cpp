@@ -5,6 +5,7 @@
 
 #include "ugoki/base/check.h"
 #include "ugoki/dynamics/kernels.h"
+#include "ugoki/dynamics/link_kernels.h"
 
 namespace ugoki::dynamics {
 namespace {
@@ -33,7 +34,8 @@ Workspace::Workspace(const Mechanism& m) : Kinematics(m), program(m), twins(prog
   }
   row_start[n] = static_cast<int>(std::min(entries, entry_limit));
   if (entries <= max_initial_entries) make_rows(m);
-  scratch.resize((std::max(scratch_size(program, sizeof(double), 1), twins.scratch) + sizeof(CacheLine) - 1) / sizeof(CacheLine));
+  const std::size_t bytes = std::max({scratch_size(program, sizeof(double), 1), twins.scratch, links * link_scratch * sizeof(double)});
+  scratch.resize((bytes + sizeof(CacheLine) - 1) / sizeof(CacheLine));
   link_chain.resize(links);
   for (std::size_t i = 0; i < links; ++i) {
     const Link& l = m.links()[i];

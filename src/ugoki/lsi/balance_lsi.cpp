@@ -244,7 +244,7 @@ std::int32_t step(const Call* call) {
     in.contacts = self.contacts;
     in.system = self.character->index;
     in.dt = call->tick->dt;
-    in.kinematics = &self.world->kinematics()[static_cast<std::size_t>(self.character->index)];
+    in.known = &self.world->kinematics().at(call->tick->index, self.character->index);
     const control::ControlOutput out = self.tracking->step(in, memory.tracking_next, {drive, nv}, {drive + nv, nv}, {drive + 2 * nv, nv});
     report[report_ratio] = out.ratio;
     report[report_released] = out.released ? 1 : 0;

@@ -12,7 +12,6 @@ struct Collision {
   Collision(const World& world_, const collision::SceneOptions& options, double margin)
       : world(&world_), scene(world_.mechanisms(), world_.ground(), options), search(scene, margin), motions(world_.characters().size()) {
     search.set_executor(world_.executor());
-    search.set_shared_kinematics(world_.kinematics());
   }
 
   const World* world;
@@ -25,7 +24,8 @@ std::int32_t step(const Call* call) {
   auto& self = object_of<Collision>(call);
   for (const Character& who : self.world->characters())
     self.motions[static_cast<std::size_t>(who.index)] = {q_of(who, circuit::input(call, 0)), v_of(who, circuit::input(call, 0))};
-  std::vector<collision::ContactPoint>& contacts = self.search.find(self.motions, call->tick->dt);
+  std::vector<collision::ContactPoint>& contacts =
+      self.search.find(self.motions, call->tick->dt, self.world->kinematics().at(call->tick->index));
   const std::size_t room = call->out_count[0];
   if (contacts.size() > room) {  // keep the closest contacts; equal distances are ordered by key, so that the order is unique
     std::sort(contacts.begin(), contacts.end(),

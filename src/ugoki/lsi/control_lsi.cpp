@@ -37,7 +37,7 @@ std::int32_t step(const Call* call) {
   in.contacts = self.contacts;
   in.system = self.character->index;
   in.dt = call->tick->dt;
-  in.kinematics = &self.world->kinematics()[static_cast<std::size_t>(self.character->index)];
+  in.known = &self.world->kinematics().at(call->tick->index, self.character->index);
   double* drive = circuit::output(call, 0);
   const std::size_t nv = self.layout.nv;
   const std::span<double> tau(drive, nv);

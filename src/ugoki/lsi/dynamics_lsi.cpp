@@ -21,8 +21,11 @@ struct Dynamics {
   Dynamics(const World& world_, const contact::StepperOptions& options)
       : world(&world_), scene(world_.mechanisms(), world_.ground(), options), stepper(scene.stepper()) {
     scene.set_executor(world_.executor());
-    scene.set_shared_kinematics(world_.kinematics());
+    world->kinematics().claim(this);
   }
+  ~Dynamics() { world->kinematics().release(this); }
+  Dynamics(const Dynamics&) = delete;
+  Dynamics& operator=(const Dynamics&) = delete;
 
   const World* world;
   contact::SceneStep scene;
@@ -124,12 +127,13 @@ std::int32_t step(const Call* call) {
     for (const ContactRecord& c : records<ContactRecord>(call->in[in_contacts])) self.contacts.push_back(c.point);
   };
   take_contacts();
+  const std::span<const dynamics::KnownKinematics> known = self.world->kinematics().at(call->tick->index);
   for (const Character& c : self.world->characters()) {
     const auto i = static_cast<std::size_t>(c.index);
     const int wire = self.torque_wire[i];
     const std::size_t nv = self.no_torque[i].size();
     const double* drive = wire < 0 ? self.no_torque[i].data() : circuit::input(call, static_cast<std::size_t>(wire));
-    contact::StepSystem& system = self.systems[i] = {q_of(c, next), v_of(c, next), {drive, nv}, {}, {}, {}};
+    contact::StepSystem& system = self.systems[i] = {q_of(c, next), v_of(c, next), {drive, nv}, {}, {}, {}, &known[i]};
     if (self.is_pushed[i] != 0) system.external = self.external[i];
     if (wire >= 0 && call->in_count[wire] == 3 * nv) {
       system.servo_gain = {drive + nv, nv};
@@ -156,6 +160,8 @@ std::int32_t step(const Call* call) {
   }
   const std::span<const Vec3> forces = self.scene.forces();
   if (report.status != contact::StepStatus::ok) return explain(call, self, report);
+  for (const Character& c : self.world->characters())
+    self.world->kinematics().leave(&self, call->tick->index, c.index, self.scene.end()[static_cast<std::size_t>(c.index)]);
   self.grips.take(self.stepper.grip_forces(), call->tick->dt);
   set_count(call->out[out_grips], self.grips.report(*self.world, self.scratch, next, record_room<EventRecord>(call->out[out_grips])));
   auto* out = record_room<ContactRecord>(call->out[out_contacts]);

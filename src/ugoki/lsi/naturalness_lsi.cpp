@@ -37,8 +37,8 @@ struct Naturalness {
   bool forces = false;                        // contact forces are wired
   bool applied = false;                       // drive forces are wired
   std::size_t dof_offset = 0;                 // index of the character's first number in the drive forces
-  std::vector<Pose> poses, reference_poses;   // [links]
-  std::vector<Vec6> speeds;                   // [links] scratch
+  dynamics::KnownKinematics own;              // kinematics that no other LSI has left
+  std::vector<Pose> reference_poses;          // [links]
   std::vector<std::uint8_t> stance;           // [feet] 1: the foot stands in the reference
   std::vector<std::uint8_t> stands, touches;  // [legs] 1: the foot stands in the reference; touches something
   std::vector<Vec3> leg_forces;               // [legs] N
@@ -120,8 +120,11 @@ std::int32_t advance(const Call* call) {
   const std::span<const double> reference_q{reference, self.layout.nq};
   const bool released = report[report_released] > 0;
   const std::span<const double> v = v_of(*self.character, circuit::input(call, in_state));
-  dynamics::SharedKinematics& kinematics = self.world->kinematics()[static_cast<std::size_t>(self.character->index)];
-  kinematics.update(m, q, v, self.poses, self.speeds);
+  const dynamics::KnownKinematics* known = &self.world->kinematics().at(call->tick->index, self.character->index);
+  if (known->find(q, v) == nullptr) {
+    self.own.update(m, q, v);
+    known = &self.own;
+  }
   calc_poses(m, reference_q, self.reference_poses);
   difference(m, q, reference_q, self.error);
   double angles = 0, joints = 0;  // rad^2, sum of squared angles now; number of summed joints
@@ -147,8 +150,8 @@ std::int32_t advance(const Call* call) {
   sums.last_time = call->tick->time;
   s.q = q;
   s.v = v;
-  s.kinematics = &kinematics;
-  s.X_WB = self.poses;
+  s.known = known;
+  s.X_WB = known->values().X_WB;
   if (!released) s.reference = self.reference_poses;
   s.stance = self.stance;
   s.stands = self.stands;
@@ -161,7 +164,7 @@ std::int32_t advance(const Call* call) {
     const Vec3 force{report[report_force], report[report_force + 1], report[report_force + 2]};
     const Vec3 moment{report[report_moment], report[report_moment + 1], report[report_moment + 2]};
     s.missing_force = force;
-    s.missing_moment = moment + cross(self.poses[0].p - centre_of_mass(m, self.poses), force);
+    s.missing_moment = moment + cross(s.X_WB[0].p - centre_of_mass(m, s.X_WB), force);
   }
   self.meter.add(s);
   if (m.link(0).joint.type == JointType::floating) {
@@ -219,8 +222,7 @@ void* make(Setup& s) {
                                false,
                                false,
                                0,
-                               {},
-                               {},
+                               dynamics::KnownKinematics(m),
                                {},
                                {},
                                {},
@@ -235,28 +237,26 @@ void* make(Setup& s) {
   self->applied = s.wires(in_applied) > 0;
   for (const Character& other : world.characters())
     if (other.index < c.index) self->dof_offset += static_cast<std::size_t>(other.mechanism->nv());
-  self->poses.resize(static_cast<std::size_t>(m.link_count()));
-  self->reference_poses = self->poses;
-  self->speeds.resize(self->poses.size());
+  self->reference_poses.resize(static_cast<std::size_t>(m.link_count()));
   self->stance.resize(c.feet.size());
   self->stands.resize(self->meter.body().legs.size());
   self->touches = self->stands;
   self->leg_forces.resize(self->stands.size());
   self->error.resize(static_cast<std::size_t>(m.nv()));
-  self->foot_of_link.assign(self->poses.size(), -1);
+  self->foot_of_link.assign(self->reference_poses.size(), -1);
   for (const int link : c.feet) {
     const int parent = m.link(link).parent;
     const int of_parent = parent < 0 ? -1 : self->foot_of_link[static_cast<std::size_t>(parent)];
     self->foot_of_link[static_cast<std::size_t>(link)] = of_parent >= 0 ? of_parent : self->foot_count++;
   }
   self->bears.resize(static_cast<std::size_t>(self->foot_count));
-  calc_poses(m, m.neutral(), self->poses);
-  double low = self->poses[0].p.z, high = low;
-  for (const Pose& pose : self->poses) {
+  calc_poses(m, m.neutral(), self->reference_poses);
+  double low = self->reference_poses[0].p.z, high = low;
+  for (const Pose& pose : self->reference_poses) {
     low = std::min(low, pose.p.z);
     high = std::max(high, pose.p.z);
   }
-  self->upright = std::max(0.05, self->poses[0].p.z - low);
+  self->upright = std::max(0.05, self->reference_poses[0].p.z - low);
   if (self->upright < 0.25 * (high - low)) self->upright = 0.5 * (high - low);  // rigs can have their root on the floor
   return self;
 }

@@ -76,7 +76,7 @@ World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> 
     if (!spec.moves.empty()) c.moves = std::make_shared<const TrackSampler>(c.mechanism, std::move(spec.moves), c.feet, true);
     characters_.push_back(std::move(c));
   }
-  kinematics_ = std::make_unique<dynamics::SceneKinematics>(dynamics::make_scene_kinematics(mechanisms()));
+  kinematics_ = std::make_unique<TickKinematics>(mechanisms());
   contact_capacity_ = static_cast<std::uint32_t>(std::clamp<std::size_t>(8 * shapes, 64, 4096));  // contact_capacity() explains the numbers
 }
 

@@ -9,8 +9,8 @@
 #include "ugoki/base/executor.h"
 #include "ugoki/circuit/resources.h"
 #include "ugoki/collision/contact_point.h"
-#include "ugoki/dynamics/shared_kinematics.h"
 #include "ugoki/lsi/payload.h"
+#include "ugoki/lsi/tick_kinematics.h"
 #include "ugoki/mechanism/mechanism.h"
 #include "ugoki/motion/clip.h"
 
@@ -89,8 +89,8 @@ class World final : public circuit::Resources {
   /// Sets the threads on which LSIs compute systems in parallel; null: none. Results have the same bits. Call it before circuits are built.
   void set_executor(Executor* executor) { executor_ = executor; }
   [[nodiscard]] Executor* executor() const { return executor_; }
-  /// [characters] kinematics that LSIs share within a tick. LSIs may use them at the same time.
-  [[nodiscard]] dynamics::SceneKinematics& kinematics() const { return *kinematics_; }
+  /// Kinematics of all characters that LSIs share.
+  [[nodiscard]] TickKinematics& kinematics() const { return *kinematics_; }
   /// Maximum number of records of a contacts payload: 8 for each shape (4 corners on the ground, and 4 other contacts), from 64 to 4096.
   [[nodiscard]] std::uint32_t contact_capacity() const { return contact_capacity_; }
 
@@ -100,7 +100,7 @@ class World final : public circuit::Resources {
   Vec3 gravity_;
   collision::Ground ground_;
   Executor* executor_ = nullptr;
-  std::unique_ptr<dynamics::SceneKinematics> kinematics_;
+  std::unique_ptr<TickKinematics> kinematics_;
   std::size_t state_size_ = 0, link_count_ = 0;
   std::uint32_t contact_capacity_ = 64;
 };

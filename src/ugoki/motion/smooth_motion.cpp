@@ -66,12 +66,14 @@ SmoothMotion::SmoothMotion(const Motion& motion, const Mechanism& m, std::span<c
 
   v_.assign(n * nv_, 0.0);
   a_.assign(n * nv_, 0.0);
+  step_.assign(n * nv_, 0.0);
   if (frames_ < 2) return;
   const auto frame = [&](std::size_t f) { return std::span<const double>(q_.data() + f * nq_, nq_); };
   std::vector<double> step((n - 1) * nv_);  // [frames - 1][nv] mean velocity between the frames f and f + 1
   for (std::size_t f = 0; f + 1 < n; ++f) {
     const std::span<double> d(step.data() + f * nv_, nv_);
     difference(m, frame(f), frame(f + 1), d);
+    std::ranges::copy(d, step_.begin() + static_cast<std::ptrdiff_t>(f * nv_));
     for (double& x : d) x *= rate_;
   }
   for (std::size_t f = 0; f < n; ++f) {
@@ -89,10 +91,10 @@ void SmoothMotion::sample(const Mechanism& m, double t, std::span<double> q, std
   const double x = std::clamp(t * rate_, 0.0, static_cast<double>(frames_ - 1));
   const auto i = static_cast<std::size_t>(std::min(static_cast<int>(x), std::max(0, frames_ - 2)));
   const std::size_t j = std::min(i + 1, static_cast<std::size_t>(frames_ - 1));
+  const double* const step = step_.data() + i * nv_;  // displacement from frame i to frame j
   const double s = x - static_cast<double>(i), dt = 1 / rate_;
   const bool inside = t >= 0 && t <= duration();
   const double* q0 = q_.data() + i * nq_;
-  const double* q1 = q_.data() + j * nq_;
   const double* v0 = v_.data() + i * nv_;
   const double* v1 = v_.data() + j * nv_;
   const double* a0 = a_.data() + i * nv_;
@@ -100,17 +102,13 @@ void SmoothMotion::sample(const Mechanism& m, double t, std::span<double> q, std
   // Cubic Hermite interpolation of the displacement from frame i.
   const double h01 = s * s * (3 - 2 * s), h10 = s * (1 - s) * (1 - s), h11 = s * s * (s - 1);
   const double d01 = 6 * s * (1 - s), d10 = (1 - s) * (1 - 3 * s), d11 = s * (3 * s - 2);
-  for (const Link& link : m.links()) {
-    const int nv = link.joint.nv();
-    double step[6], part[6];  // displacement from frame i to frame j, and to time t
-    joint_difference(link.joint, q0 + link.q_index, q1 + link.q_index, step);
-    for (int k = 0; k < nv; ++k) {
-      const auto f = static_cast<std::size_t>(link.v_index + k);
-      part[k] = h01 * step[k] + dt * (h10 * v0[f] + h11 * v1[f]);
-      v[f] = inside ? d01 * step[k] * rate_ + d10 * v0[f] + d11 * v1[f] : 0.0;
-      a[f] = inside ? (1 - s) * a0[f] + s * a1[f] : 0.0;
-    }
-    joint_integrate(link.joint, q0 + link.q_index, part, 1.0, q.data() + link.q_index);
+  // v holds the displacement from frame i to time t until the joints are moved by it.
+  for (std::size_t f = 0; f < nv_; ++f) v[f] = h01 * step[f] + dt * (h10 * v0[f] + h11 * v1[f]);
+  for (const LinkPlace& link : m.places())
+    if (link.nv > 0) joint_integrate(link.type, q0 + link.q_index, v.data() + link.v_index, 1.0, q.data() + link.q_index);
+  for (std::size_t f = 0; f < nv_; ++f) {
+    v[f] = inside ? d01 * step[f] * rate_ + d10 * v0[f] + d11 * v1[f] : 0.0;
+    a[f] = inside ? (1 - s) * a0[f] + s * a1[f] : 0.0;
   }
 }
 

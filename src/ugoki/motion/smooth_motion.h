@@ -32,6 +32,7 @@ class SmoothMotion {
   int frames_ = 0;
   std::size_t nq_ = 0, nv_ = 0;
   std::vector<double> q_, v_, a_;  // [frames][nq], [frames][nv], [frames][nv]
+  std::vector<double> step_;       // [frames][nv] displacement to the next frame (difference()); zeros in the last row
 };
 
 /// Reference of a clip at track time t [s], with the clip's placement and speed applied. Before the clip's start and after its end, q is

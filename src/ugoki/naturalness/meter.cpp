@@ -78,7 +78,7 @@ void Meter::add(const Sample& s) {
   const double dt = sums_.samples > 0 ? s.dt : 0;
   slip_.add(s.X_WB, s.stance, dt);
   const double depth = penetration_.add(s.X_WB);
-  dynamics::update_kinematics(m_, s.q, s.v, s.kinematics, ws_);
+  dynamics::update_kinematics(m_, s.q, s.v, s.known, ws_);
   centroidal_ = dynamics::calc_centroidal(m_, ws_);
   const Vec3 c = centroidal_.centre, u = centroidal_.velocity;
   if (sums_.samples == 0) {
@@ -197,11 +197,7 @@ void Meter::add_forces(const Sample& s) {
   set(MeasureId::root_moment, 100 * norm(s.missing_moment) / (scale * body_.centre_height), s.dt);
 }
 
-void Meter::filter(Stages& stages, const Vec3& input, double dt) const {
-  // Each stage y' = w (u - y) is solved exactly for an input that is linear in the sample.
-  const double w = 23 * unit_jerk_ / (options_.gravity), x = w * dt;  // rad/s: 12 Hz for a human
-  if (x <= 0) return;
-  const double a = exp(-x), b = (1 - a) / x;
+void Meter::filter(Stages& stages, const Vec3& input, double a, double b) {
   Vec3 before = stages.input, after = input;
   stages.input = input;
   for (Vec3& y : stages.y) {
@@ -214,6 +210,8 @@ void Meter::filter(Stages& stages, const Vec3& input, double dt) const {
 
 void Meter::add_jerk(const Sample& s) {
   const double w = 23 * unit_jerk_ / options_.gravity;
+  // Each stage y' = w (u - y) of the filter is solved exactly for an input that is linear in the sample; w [rad/s]: 12 Hz for a human.
+  const double x = w * s.dt, a = exp(-x), b = x > 0 ? (1 - a) / x : 0;
   const bool settled = sums_.time * w > 16;  // the filter has forgotten that it began at rest
   const double mix = 1 - exp(-s.dt / 0.15);
   double worst = 0, worst_ratio = 0;
@@ -233,8 +231,8 @@ void Meter::add_jerk(const Sample& s) {
       f.reference = {r, {r, r, r, r}};
       continue;
     }
-    filter(f.body, p, s.dt);
-    if (!s.reference.empty()) filter(f.reference, r, s.dt);
+    if (x > 0) filter(f.body, p, a, b);
+    if (x > 0 && !s.reference.empty()) filter(f.reference, r, a, b);
     if (!settled || s.dt <= 0) continue;
     const double square = third(f.body), wanted = third(f.reference);
     f.square += mix * (square - f.square);
@@ -247,8 +245,8 @@ void Meter::add_jerk(const Sample& s) {
     worst = std::max(worst, std::sqrt(f.square) / bound);
     worst_ratio = std::max(worst_ratio, (std::sqrt(f.square) + jerk_floor) / (std::sqrt(f.reference_square) + jerk_floor));
     if (static_cast<int>(i) == body_.head && body_.biped() && walks()) {
-      const Vec3 a = (f.body.y[1] - f.body.y[2] * 2 + f.body.y[3]) * (w * w / options_.gravity);
-      set(MeasureId::head_acceleration, norm(a), s.dt);
+      const Vec3 acceleration = (f.body.y[1] - f.body.y[2] * 2 + f.body.y[3]) * (w * w / options_.gravity);
+      set(MeasureId::head_acceleration, norm(acceleration), s.dt);
     }
   }
   if (!settled) return;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "ugoki/dynamics/centroidal.h"
-#include "ugoki/dynamics/shared_kinematics.h"
+#include "ugoki/dynamics/known_kinematics.h"
 #include "ugoki/motion/foot_slip.h"
 #include "ugoki/motion/measures.h"
 #include "ugoki/naturalness/legs.h"
@@ -21,7 +21,7 @@ struct Sample {
   double dt = 0;                                     ///< s since the previous sample; not used in the first one
   std::span<const double> q, v;                      ///< [nq], [nv] position; velocity, of a recording filtered
   std::span<const Pose> X_WB;                        ///< [links] poses at q
-  dynamics::SharedKinematics* kinematics = nullptr;  ///< may have the kinematics at q and v; null: the meter computes them
+  const dynamics::KnownKinematics* known = nullptr;  ///< may have the kinematics at q and v; null: the meter computes them
   std::span<const Pose> reference;                   ///< [links] poses that the character should have
   std::span<const std::uint8_t> stance;              ///< [feet of find_feet] nonzero: the foot is to stand without sliding
   std::span<const std::uint8_t> stands;              ///< [legs] nonzero: the foot is meant to bear load
@@ -114,7 +114,7 @@ class Meter {
   [[nodiscard]] Reason reason(MeasureId id) const;  ///< why value() is no_value
   [[nodiscard]] bool gait() const;
   [[nodiscard]] bool walks() const;
-  void filter(Stages& stages, const Vec3& input, double dt) const;
+  static void filter(Stages& stages, const Vec3& input, double a, double b);
   void add_flight(const Sample& s);
   void end_flight();
   void add_forces(const Sample& s);

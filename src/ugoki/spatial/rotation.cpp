@@ -28,17 +28,21 @@ Quat to_quat(const Mat3& R) {
 }
 
 Quat exp_map(const Vec3& r) {
-  const double angle = norm(r);
-  // For small angles a, sin(a/2) / a and cos(a/2) are computed from their series, because the quotient is 0/0 at a = 0. The omitted terms
-  // are below 1e-28.
-  const double a2 = angle * angle;
-  if (angle > 1e-4) {
-    const SinCos half = sin_cos(0.5 * angle);
-    const double f = half.sin / angle;
-    return normalized(Quat{half.cos, r.x * f, r.y * f, r.z * f});
+  // x: square of half the angle a. Up to a = 0.5 rad, sin(a/2) / a and cos(a/2) are computed from their series; the omitted terms are below
+  // 1e-19. The quaternion then has unit length up to rounding.
+  const double x = 0.25 * dot(r, r);
+  if (x < 0.0625) {
+    const double f =
+        0.5 *
+        (1 + x * (-1.0 / 6 + x * (1.0 / 120 + x * (-1.0 / 5040 + x * (1.0 / 362880 + x * (-1.0 / 39916800 + x * (1.0 / 6227020800.0)))))));
+    const double w =
+        1 + x * (-1.0 / 2 + x * (1.0 / 24 + x * (-1.0 / 720 + x * (1.0 / 40320 + x * (-1.0 / 3628800 + x * (1.0 / 479001600.0))))));
+    return {w, r.x * f, r.y * f, r.z * f};
   }
-  const double f = 0.5 - a2 / 48.0 + a2 * a2 / 3840.0, w = 1.0 - a2 / 8.0 + a2 * a2 / 384.0;
-  return normalized(Quat{w, r.x * f, r.y * f, r.z * f});
+  const double angle = norm(r);
+  const SinCos half = sin_cos(0.5 * angle);
+  const double f = half.sin / angle;
+  return normalized(Quat{half.cos, r.x * f, r.y * f, r.z * f});
 }
 
 Vec3 log_map(const Quat& q_in) {

@@ -71,7 +71,6 @@ std::span<const Warm> WorldState::impulses() const {
 
 WorldStepper::WorldStepper(const World& world, Executor* executor)
     : world_(&world),
-      kinematics_(std::make_unique<dynamics::SceneKinematics>(dynamics::make_scene_kinematics(world.systems()))),
       search_(world.scene(), world.options().margin),
       step_({world.systems().begin(), world.systems().end()}, world.options().ground, world.options().stepper),
       q_(world.nq()),
@@ -83,12 +82,10 @@ WorldStepper::WorldStepper(const World& world, Executor* executor)
     const std::span<double> q = std::span(q_).subspan(place.q, static_cast<std::size_t>(m.nq()));
     const std::span<double> v = std::span(v_).subspan(place.v, static_cast<std::size_t>(m.nv()));
     motions_.push_back({q, v});
-    systems_.push_back({q, v, {}, {}, {}, {}});
+    systems_.push_back({q, v, {}, {}, {}, {}, &step_.end()[s]});
   }
   search_.set_executor(executor);
   step_.set_executor(executor);
-  search_.set_shared_kinematics(*kinematics_);
-  step_.set_shared_kinematics(*kinematics_);
   load(WorldState(world));
   contacts_ = &search_.find(motions_, 1e-3);
 }
@@ -133,7 +130,7 @@ contact::StepReport WorldStepper::step(const WorldControl& control, double dt) {
     systems_[s].servo_gain = part(control.servo_gain, s);
     systems_[s].servo_velocity = part(control.servo_velocity, s);
   }
-  contacts_ = &search_.find(motions_, dt);
+  contacts_ = &search_.find(motions_, dt, step_.end());
   return step_.step(systems_, *contacts_, dt);
 }
 

@@ -107,7 +107,6 @@ class WorldStepper {
 
  private:
   const World* world_;
-  std::unique_ptr<dynamics::SceneKinematics> kinematics_;  // of the search, of the step, and of the step's end
   contact::ContactSearch search_;
   contact::SceneStep step_;
   std::vector<double> q_, v_, zeros_;  // of all systems; zeros_: drive forces if none are given

@@ -1,10 +1,9 @@
-#include "ugoki/dynamics/shared_kinematics.h"
+#include "ugoki/dynamics/known_kinematics.h"
 
 #include <gtest/gtest.h>
 
-#include <thread>
-
 #include "../dynamics/random_mechanism.h"
+#include "../mechanism/chain.h"
 #include "ugoki/contact/contact_search.h"
 #include "ugoki/contact/scene_step.h"
 #include "world.h"
@@ -25,20 +24,13 @@ bool equal(const Kinematics& a, const Kinematics& b) {
 
 /// A floating chain of `links` capsules of 0.3 m on spherical and revolute joints.
 MechanismPtr chain(int links) {
-  MechanismSpec spec;
-  spec.name = "chain";
-  for (int i = 0; i < links; ++i) {
-    LinkSpec l;
-    l.name = "link" + std::to_string(i);
-    if (i > 0) l.parent = "link" + std::to_string(i - 1);
+  return testing::make_chain(links, [](int i, LinkSpec& l) {
     l.joint.type = i == 0 ? JointType::floating : i % 3 == 1 ? JointType::spherical : JointType::revolute;
     l.joint.axis = {0, 1, 0};
     l.joint.X_PJ.p = i > 0 ? Vec3{0.3, 0, 0} : Vec3{};
     l.shapes.push_back(Shape::capsule(0.03, {0.04, 0, 0}, {0.26, 0, 0}));
     l.inertia = solid_inertia(l.shapes[0], 1000);
-    spec.links.push_back(l);
-  }
-  return Mechanism::make(std::move(spec)).value();
+  });
 }
 
 /// A box, a ball and a chain that fall on the ground.
@@ -51,6 +43,7 @@ struct Falling {
   std::vector<State> states{State(*mechanisms[0]), State(*mechanisms[1]), State(*mechanisms[2])};
   std::vector<collision::SystemMotion> motions;
   std::vector<StepSystem> systems;
+  std::span<const dynamics::KnownKinematics> known;
 
   Falling() {
     put(states[0], {0, 0, 0.31});
@@ -60,54 +53,62 @@ struct Falling {
     states[2].v[7] = 1;
     for (State& x : states) {
       motions.push_back({x.q, x.v});
-      systems.push_back({x.q, x.v, x.tau, {}, {}, {}});
+      systems.push_back({x.q, x.v, x.tau, {}, {}, {}, nullptr});
     }
   }
-  void advance() { ASSERT_EQ(step.step(systems, search.find(motions, 0.002), 0.002).status, StepStatus::ok); }
+  /// Lets the search and the next step use the kinematics at the end of the last step.
+  void use_known() {
+    for (std::size_t s = 0; s < systems.size(); ++s) systems[s].known = &step.end()[s];
+    known = step.end();
+  }
+  void advance() { ASSERT_EQ(step.step(systems, search.find(motions, 0.002, known), 0.002).status, StepStatus::ok); }
 };
 
-TEST(SharedKinematics, AreKnownOnlyAtTheStateOfTheLastExchange) {
+TEST(KnownKinematics, BelongToTheStateOfTheLastUpdate) {
   const MechanismPtr ball = body("ball", Shape::sphere(0.1), 500);
   State x(*ball);
-  dynamics::SharedKinematics shared(*ball);
-  dynamics::KinematicsAt values(*ball);
-  Kinematics found(*ball);
-  std::ranges::copy(x.q, values.q.begin());
-  values.kinematics.p0 = {1, 2, 3};
-  EXPECT_FALSE(shared.find(x.q, x.v, found));
-  shared.exchange(values);
-  ASSERT_TRUE(shared.find(x.q, x.v, found));
-  EXPECT_EQ(found.p0, Vec3(1, 2, 3));
-  x.q[2] = 1e-300;
-  EXPECT_FALSE(shared.find(x.q, x.v, found));
-  x.q[2] = 0;
-  x.v[5] = 1e-300;
-  EXPECT_FALSE(shared.find(x.q, x.v, found));
+  dynamics::KnownKinematics known(*ball);
+  EXPECT_EQ(known.find(x.q, x.v), nullptr);
+  put(x, {1, 2, 3});
+  known.update(*ball, x.q, x.v);
+  ASSERT_NE(known.find(x.q, x.v), nullptr);
+  EXPECT_EQ(known.find(x.q, x.v)->p0, Vec3(1, 2, 3));
+  State other = x;
+  other.q[2] = 3 + 1e-15;
+  EXPECT_EQ(known.find(other.q, x.v), nullptr);
+  other.v[5] = 1e-300;
+  EXPECT_EQ(known.find(x.q, other.v), nullptr);
 }
 
-TEST(SharedKinematics, OfAStepAreThoseAtItsEnd) {
+TEST(KnownKinematics, OfAMechanismThatCannotMoveAreKnown) {
+  MechanismSpec spec;
+  spec.name = "wall";
+  spec.links.emplace_back().name = "wall";
+  const MechanismPtr wall = Mechanism::make(std::move(spec)).value();
+  dynamics::KnownKinematics known(*wall);
+  EXPECT_EQ(known.find({}, {}), nullptr);
+  known.update(*wall, {}, {});
+  EXPECT_NE(known.find({}, {}), nullptr);
+}
+
+TEST(KnownKinematics, OfAStepAreThoseAtItsEnd) {
   Falling f;
-  dynamics::SceneKinematics shared = dynamics::make_scene_kinematics(f.mechanisms);
-  f.step.set_shared_kinematics(shared);
-  int known = 0;
+  for (State& x : f.states) x.q[2] += 0.1;  // the first steps have no contacts
   for (int i = 0; i < 500; ++i) {
     f.advance();
     for (std::size_t s = 0; s < f.states.size(); ++s) {
-      Kinematics found(*f.mechanisms[s]), exact(*f.mechanisms[s]);
-      if (!shared[s].find(f.states[s].q, f.states[s].v, found)) continue;
-      ++known;
+      Kinematics exact(*f.mechanisms[s]);
+      const Kinematics* const end = f.step.end()[s].find(f.states[s].q, f.states[s].v);
+      ASSERT_NE(end, nullptr) << "step " << i << ", system " << s;
       dynamics::update_kinematics(*f.mechanisms[s], f.states[s].q, f.states[s].v, exact);
-      EXPECT_TRUE(equal(found, exact)) << "step " << i << ", system " << s;
+      EXPECT_TRUE(equal(*end, exact)) << "step " << i << ", system " << s;
     }
   }
-  EXPECT_GT(known, 1200);  // not in flight, where steps have no contacts and are not guarded
 }
 
-TEST(SharedKinematics, DoNotChangeTheBits) {
+TEST(KnownKinematics, DoNotChangeTheBits) {
   Falling with, without;
-  dynamics::SceneKinematics shared = dynamics::make_scene_kinematics(with.mechanisms);
-  with.search.set_shared_kinematics(shared);
-  with.step.set_shared_kinematics(shared);
+  with.use_known();
   for (int i = 0; i < 500; ++i) {
     with.advance();
     without.advance();
@@ -118,51 +119,22 @@ TEST(SharedKinematics, DoNotChangeTheBits) {
   }
 }
 
-TEST(SharedKinematics, AreUsedByTheSearchAndByTheStep) {
+TEST(KnownKinematics, AreUsedByTheSearchAndByTheStep) {
   Falling f;
-  dynamics::SceneKinematics shared = dynamics::make_scene_kinematics(f.mechanisms);
-  f.search.set_shared_kinematics(shared);
-  f.step.set_shared_kinematics(shared);
-  const std::size_t before = f.search.find(f.motions, 0.002).size();
-  for (std::size_t s = 0; s < f.states.size(); ++s) {  // kinematics that do not belong to the state: poses far above the ground, no inertia
-    dynamics::KinematicsAt values(*f.mechanisms[s]);
-    std::ranges::copy(f.states[s].q, values.q.begin());
-    std::ranges::copy(f.states[s].v, values.v.begin());
-    for (Pose& X : values.kinematics.X_WB) X.p = {0, 0, 10.0 + static_cast<double>(s)};
-    shared[s].exchange(values);
+  // Kinematics that do not belong to the mechanisms: bodies of the same structure without mass, 10 m above their joints.
+  std::vector<dynamics::KnownKinematics> wrong;
+  for (std::size_t s = 0; s < f.mechanisms.size(); ++s) {
+    MechanismSpec spec = f.mechanisms[s]->spec();
+    for (LinkSpec& l : spec.links) l.inertia = Inertia::from_centre(1e-300, {}, {});
+    spec.links[0].joint.X_PJ.p = {0, 0, 10.0 + 10.0 * static_cast<double>(s)};
+    const MechanismPtr high = Mechanism::make(std::move(spec)).value();
+    wrong.emplace_back(*high).update(*high, f.states[s].q, f.states[s].v);
   }
-  EXPECT_GT(before, 0U);
-  std::vector<collision::ContactPoint>& contacts = f.search.find(f.motions, 0.002);
+  EXPECT_FALSE(f.search.find(f.motions, 0.002).empty());
+  std::vector<collision::ContactPoint>& contacts = f.search.find(f.motions, 0.002, wrong);
   EXPECT_TRUE(contacts.empty());
+  for (std::size_t s = 0; s < wrong.size(); ++s) f.systems[s].known = &wrong[s];
   EXPECT_EQ(f.step.step(f.systems, contacts, 0.002).status, StepStatus::singular);
-}
-
-TEST(SharedKinematics, ServeSeveralThreads) {
-  const MechanismPtr m = chain(8);
-  dynamics::SharedKinematics shared(*m);
-  const auto use = [&](double first) {
-    State x(*m);
-    Kinematics found(*m), exact(*m);
-    dynamics::KinematicsAt values(*m);
-    std::vector<Pose> X(8);
-    std::vector<Vec6> V(8);
-    for (int i = 0; i < 2000; ++i) {
-      x.q[0] = i % 3 == 0 ? 0.5 : first + i;  // a state of all threads, or one of this thread
-      x.v[7] = 0.25;
-      dynamics::update_kinematics(*m, x.q, x.v, exact);
-      shared.update(*m, x.q, x.v, X, V);
-      EXPECT_TRUE(std::ranges::equal(X, exact.X_WB, [](const Pose& a, const Pose& b) { return equal(a, b); }));
-      EXPECT_EQ(V, exact.V);
-      if (shared.find(x.q, x.v, found)) EXPECT_TRUE(equal(found, exact));
-      std::ranges::copy(x.q, values.q.begin());
-      std::ranges::copy(x.v, values.v.begin());
-      values.kinematics = exact;
-      shared.exchange(values);
-    }
-  };
-  std::thread other(use, 1e6);
-  use(0);
-  other.join();
 }
 
 TEST(Kinematics, HaveTheBitsOfCalcPoses) {

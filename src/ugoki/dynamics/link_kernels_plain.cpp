@@ -1,0 +1,2 @@
+#define UGOKI_WIDTH plain
+#include "ugoki/dynamics/link_kernels_width.h"
