@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "../mechanism/chain.h"
 #include "random_mechanism.h"
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/dynamics/kernels.h"
@@ -98,6 +99,20 @@ TEST(LinkKernels, KinematicsAgreeWithTheirDefinitions) {
         EXPECT_LT(norm(k.I[at].I.matrix().column(column) - I.I.matrix().column(column)), scale) << "link " << i;
     }
   }
+}
+
+// A body 10 km away along the axis x: its inertia about this axis is that about its centre, and must not be a difference of large numbers.
+TEST(LinkKernels, InertiaOfADistantBodyKeepsItsAccuracy) {
+  const MechanismPtr m = testing::make_chain(2, [](int i, LinkSpec& l) {
+    l.joint.type = JointType::revolute;
+    l.joint.axis = {1, 0, 0};
+    if (i > 0) l.joint.X_PJ.p = {1e4, 0, 0.1};
+    l.inertia = Inertia::from_centre(1, {}, {0.01, 0.01, 0.01, 0, 0, 0});
+  });
+  Kinematics k(*m);
+  const State s(*m);
+  update_kinematics(*m, s.q, s.v, k);
+  EXPECT_NEAR(k.I[1].I.xx, 0.02, 1e-15);
 }
 
 // The kernel that starts from q and v computes in link frames, by other code.

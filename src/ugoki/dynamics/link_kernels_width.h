@@ -99,7 +99,7 @@ inline void set_inertia(const Inertia& body, const Columns& R, Four r, Inertia& 
                      (c[0] * I.xz + c[1] * I.yz) + c[2] * I.zz};  // columns of R I
   const Four h = (c[0] * body.h.x + c[1] * body.h.y) + c[2] * body.h.z, e = h + r * (0.5 * body.mass);
   const Four re = r * e;
-  const Four diagonal = ((D[0] * c[0] + D[1] * c[1]) + D[2] * c[2]) + 2.0 * (sum(re) - re);
+  const Four diagonal = ((D[0] * c[0] + D[1] * c[1]) + D[2] * c[2]) + 2.0 * (yzx(re) + yzx(yzx(re)));  // without cancellation
   const Four rest = ((first_factors(D[0]) * second_factors(c[0]) + first_factors(D[1]) * second_factors(c[1])) +
                      first_factors(D[2]) * second_factors(c[2])) -
                     (first_factors(r) * second_factors(e) + second_factors(r) * first_factors(e));
