@@ -45,6 +45,7 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
   wanted_.resize(static_cast<std::size_t>(m.nv()));
   displacement_.resize(wanted_.size());
   bears_load_.resize(wanted_.size());
+  touches_.resize(wanted_.size());
   supports_.reserve(max_supports);
   offsets_.reserve(max_supports);
   support_links_.reserve(max_supports);
@@ -126,6 +127,7 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
   supports_.clear();
   support_links_.clear();
   for (unsigned char& b : bears_load_) b = 0;
+  for (unsigned char& b : touches_) b = 0;
   if (!floating_) return;
   std::ranges::fill(scratch.reference_known, char{0});
   offsets_.clear();
@@ -140,9 +142,11 @@ void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
     const Vec3 v_ref = dynamics::point_velocity(reference, c.link_a, p_ref);
     // A character that has lost its reference stands on whatever touches the ground.
     const double height = dot(c.n, p_ref + shift - c.p), rise = (1 - lost_) * dot(c.n, v_ref);
-    if (height > options_.planted_height + lost_ * lever_ || rise > options_.planted_speed) continue;
     const double slide = (1 - lost_) * norm(v_ref - c.n * dot(c.n, v_ref));
-    if (slide > options_.sliding_limit) continue;
+    if (height > options_.planted_height + lost_ * lever_ || rise > options_.planted_speed || slide > options_.sliding_limit) {
+      for (const int f : dynamics::chain_of_link(ws, c.link_a)) touches_[static_cast<std::size_t>(f)] = 1;
+      continue;
+    }
     // Load on a point that is about to lift (a heel) or that slides is costly, so that other points (the toes) carry it.
     const double lift = std::max(0.0, rise) / options_.lifting_speed,
                  slip = std::max(0.0, slide - options_.sliding_speed) / options_.slip_speed;
@@ -302,7 +306,8 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
     tau[i] = std::clamp(tau[i], -f.effort, f.effort);
     servo_velocity[i] = in.v[i] + in.dt * wanted_[i];
     const double strength = std::min(f.effort, weight_ * lever_);
-    servo_gain[i] = bears_load_[i] ? options_.joint_hold * strength * strength / (weight_ * lever_) : 0;
+    const double hold = bears_load_[i] ? 1 : touches_[i] ? 1 - lost_ : 0;
+    servo_gain[i] = hold > 0 && weight_ > 0 ? hold * options_.joint_hold * strength * strength / (weight_ * lever_) : 0;
   }
   return out;
 }

@@ -162,6 +162,8 @@ class MotionControl {
   std::vector<int> undriven_;              // velocity indices of the joint DOFs without a drive that no loop moves
   std::vector<double> extra_, response_;   // [nv] scratch memory of predict_undriven(); empty if all joints have drives
   std::vector<unsigned char> bears_load_;  // [nv] 1: DOF on the chain between a support and the root
+  // [nv] 1: DOF on the chain between the root and a link that touches the ground although it is not planted in the reference
+  std::vector<unsigned char> touches_;
   std::vector<Support> supports_;
   std::vector<int> support_links_;
   std::vector<Vec3> offsets_;  // [supports] m, world: contact point minus its position in the reference

@@ -65,10 +65,21 @@ std::vector<SupportPoint> support_points(const Link& link) {
 
 std::vector<int> find_feet(const Mechanism& mechanism) {
   std::vector<int> feet;
+  const auto collides = [&](int i) { return std::ranges::any_of(mechanism.link(i).shapes, [](const Shape& s) { return s.collides; }); };
+  const auto is_paw = [&](int i) { return mechanism.link(i).label.starts_with("paw") && collides(i); };
   for (int i = 0; i < mechanism.link_count(); ++i) {
-    const Link& link = mechanism.link(i);
-    const bool named = link.label.starts_with("foot") || link.label.starts_with("toes") || link.label.starts_with("paw");
-    if (named && std::any_of(link.shapes.begin(), link.shapes.end(), [](const Shape& s) { return s.collides; })) feet.push_back(i);
+    const std::string& label = mechanism.link(i).label;
+    bool foot = label.starts_with("foot") || label.starts_with("toes") || label.starts_with("paw");
+    // An animal whose limbs have three joints stands on its carpus or hock.
+    if (label.starts_with("carpus") || label.starts_with("hock")) {
+      foot = true;
+      for (int d = i + 1; d < mechanism.link_count() && foot; ++d) {
+        int up = d;
+        while (up > i) up = mechanism.link(up).parent;
+        foot = up != i || !is_paw(d);
+      }
+    }
+    if (foot && collides(i)) feet.push_back(i);
   }
   return feet;
 }

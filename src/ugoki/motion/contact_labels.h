@@ -19,7 +19,8 @@ struct SupportPoint {
 /// Cylinder: four points on each rim. Height field: none.
 [[nodiscard]] std::vector<SupportPoint> support_points(const Link& link);
 
-/// Indices of the feet: links whose label begins with "foot", "toes" or "paw" and that have a colliding shape.
+/// Indices of the feet: links whose label begins with "foot", "toes" or "paw" and that have a colliding shape; and a "carpus" or "hock"
+/// with such a shape below which there is no paw.
 [[nodiscard]] std::vector<int> find_feet(const Mechanism& mechanism);
 
 struct ContactLabelOptions {

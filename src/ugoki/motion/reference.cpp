@@ -5,6 +5,7 @@
 #include "ugoki/motion/feet_on_floor.h"
 #include "ugoki/motion/jumps.h"
 #include "ugoki/motion/torques.h"
+#include "ugoki/motion/upsample.h"
 
 namespace ugoki {
 namespace {
@@ -12,6 +13,10 @@ namespace {
 // Hz. With 10, 15 and 20 Hz, computed walks of 1.0 to 1.4 m/s hold for 60 s up a slope of 10 degrees; with 8 Hz, and without a filter, two
 // of these five fall. With 6 Hz, a person on a path lags behind it by a tenth.
 constexpr double computed_cutoff = 15;
+
+// Frames per second. Feet are moved to the floor, velocities computed and motions filtered alike for all files of at least this rate; 6 Hz
+// cannot be filtered in a motion of 12 frames per second, and a foot is below the floor between its frames.
+constexpr double min_rate = 120;
 
 }  // namespace
 
@@ -25,7 +30,8 @@ SmoothMotion make_reference(const Motion& motion, const Mechanism& mechanism, do
     cutoffs.push_back(light ? 15.0 : 6.0);
   }
   if (is_computed(motion)) return SmoothMotion(motion, mechanism, cutoffs);
-  return SmoothMotion(with_feet_on_floor(without_jumps(motion, mechanism), mechanism, floor), mechanism, cutoffs);
+  const Motion fine = upsampled(without_jumps(motion, mechanism), mechanism, min_rate);
+  return SmoothMotion(with_feet_on_floor(fine, mechanism, floor), mechanism, cutoffs);
 }
 
 }  // namespace ugoki
