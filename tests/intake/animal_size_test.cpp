@@ -189,6 +189,10 @@ TEST(Species, NamesOfFilesAndJointsStateTheSpecies) {
   EXPECT_EQ(in("run.fbx", {"Armature", "Calf_L", "hips", "spine"}), "");
   EXPECT_EQ(in("calf.fbx"), "calf");
   EXPECT_EQ(in("gallop.bvh"), "");
+  EXPECT_EQ(in("bigcat_run.fbx"), "cat");
+  // Short names are parts of other words.
+  for (const char* other : {"half-rate.bvh", "cowboy.fbx", "ramp_walk.bvh", "skateboard.fbx", "puppet.glb", "share.bvh", "stage.glb"})
+    EXPECT_EQ(in(other), "") << other;
   EXPECT_FALSE(species_mass("unknown"));
   // A name in several species covers all of them.
   const auto both = species_in_names("fox-cat.glb", {});

@@ -122,6 +122,8 @@ void Recogniser::decide_plan() {
     hind += states(f_.legs[s], &NameEvidence::hind) ? 1 : 0;
   }
   animal += fore == 2 && hind == 2 && trunk > 0.1 * legs ? 1 : 0;
+  // Rigs of Rigify name the hind limbs as legs of a person, but no arm is called a leg in front ("front_thigh.L").
+  animal += fore == 2 && hind < 2 && trunk > 0.1 * legs && upright < 0.5 ? 1 : 0;
   const bool named_tail = std::ranges::any_of(f_.tail, [&](int i) { return name(i).tail; });
   animal += (human_names() < 5 || named_tail) && stands_on_four() ? 1.2 : 0;
   // Animals whose joints have human names seldom have fingers. 3ds Max Biped names the toes of fore limbs fingers, but adds a tail.

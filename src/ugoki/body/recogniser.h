@@ -115,15 +115,16 @@ class Recogniser {
   }
 
   /// Counts controls of inverse kinematics that are part of a limb as joints of it: the control stays at the end of its parent's bone, has
-  /// a bone of its own, and the parent has no other child. (Rigs of games have a paw "IKBackLeg.L" with the toes, and no other joint
-  /// there.)
+  /// a bone of its own, and the parent has no other child. (Rigs of games have a paw "IKBackLeg.L" with the toes, or with the mesh of the
+  /// hoof, and no other joint there.)
   void find_driving_controls() {
     // Shares of the bone's length, of the frames, and of the length of the parent's bone. In animations of games a limb does not reach the
     // control in up to a fifth of the frames.
     constexpr double rigid = 0.03, reached = 0.75, shortest = 0.1;
     for (int i = 0; i < n_; ++i) {
       const int p = parent(i);
-      if (!name(i).control || p < 0 || shape_.children(i).empty() || shape_.children(p).size() != 1) continue;
+      const bool carries = !shape_.children(i).empty() || !m_.skeleton.joints[at(i)].end_sites.empty();
+      if (!name(i).control || p < 0 || !carries || shape_.children(p).size() != 1) continue;
       const double length = shape_.bone_length(i);
       if (length < shortest * shape_.bone_length(p)) continue;
       int near = 0;

@@ -82,6 +82,7 @@ class FourLegs {
   /// The foremost joint of the trunk that moves with both fore limbs, although these hang on the joint of the hind limbs; -1: none.
   [[nodiscard]] int spine_joint() const {
     constexpr double min_share = 0.25, max_share = 1.1;  // shares of the way from the hind to the fore limbs
+    constexpr double rigid = 0.02;  // share of the extent; otherwise a joint for the chest moves exactly as the limbs do
     const auto middle = [&](const std::array<int, 2>& limbs) { return (mean_in(hips_, limbs[0]) + mean_in(hips_, limbs[1])) * 0.5; };
     const Vec3 back = middle(hind_), along = middle(fore_) - back;
     int found = -1;
@@ -90,7 +91,7 @@ class FourLegs {
       if (i == hips_ || !is_below(s_, i, hips_) || children_[at(i)].empty() || is_no_limb(i)) continue;
       if (std::ranges::any_of(tops_, [&](int t) { return is_below(s_, i, t); })) continue;
       const double share = dot(mean_in(hips_, i) - back, along) / dot(along, along);
-      if (share < foremost || share > max_share || !is_rigid(fore_[0], i) || !is_rigid(fore_[1], i)) continue;
+      if (share < foremost || share > max_share || !is_rigid(fore_[0], i, rigid) || !is_rigid(fore_[1], i, rigid)) continue;
       found = i;
       foremost = share;
     }
@@ -130,17 +131,25 @@ class FourLegs {
     return mean_in(a, [&](const std::vector<Pose>& X) { return X[at(joint)].p; });
   }
   /// True if a joint stays at one place relative to another in most frames.
-  [[nodiscard]] bool is_rigid(int joint, int other) const {
-    constexpr double rigid = 0.06, mostly = 0.8;  // shares of the extent and of the frames; the body holds the joint at its mean place
+  /// @param rigid share of the extent; the body holds the joint at its mean place
+  [[nodiscard]] bool is_rigid(int joint, int other, double rigid = 0.06) const {
+    constexpr double mostly = 0.8;  // share of the frames
     return quantile(deviations(samples_, at(joint), at(other)), mostly) < rigid * extent_;
   }
   /// True if joint i or a joint above it is part of a tail, wing, head or neck, or a control or face joint.
   [[nodiscard]] bool is_no_limb(int i) const {
     for (int k = i; k >= 0; k = parent(k)) {
       const body::NameEvidence& e = evidence_[at(k)];
-      if (e.tail || e.wing || e.part == body::Part::head || e.part == body::Part::neck || (e.helper && !e.end)) return true;
+      if (e.tail || e.wing || e.part == body::Part::head || e.part == body::Part::neck) return true;
+      if (e.helper && !e.end && !is_end_control(k)) return true;
     }
     return false;
+  }
+  /// True if joint i is a control of inverse kinematics at the end of a limb of its side, as a hoof whose mesh hangs on "LegFTarget.L".
+  [[nodiscard]] bool is_end_control(int i) const {
+    if (!evidence_[at(i)].control || evidence_[at(i)].side == 0 || !children_[at(i)].empty() || parent(i) < 0) return false;
+    const body::NameEvidence& limb = evidence_[at(parent(i))];
+    return !limb.helper && limb.side == evidence_[at(i)].side && children_[at(parent(i))].size() == 1;
   }
 
   /// True if the name of joint i or of a joint above it states a side and a fore or hind limb.
@@ -386,20 +395,37 @@ class FourLegs {
     return std::ranges::any_of(fore_, carried) && std::ranges::none_of(hind_, carried);
   }
 
+  /// True if joint i is part of a limb, or carries one.
+  [[nodiscard]] bool carries_limb(int i) const {
+    return std::ranges::any_of(tops_, [&](int t) { return is_below(s_, i, t) || is_below(s_, t, i); });
+  }
+
   /// Adds a joint between the fore limbs, which carries them and the branches in front of them.
   void add_chest(std::vector<int>& new_parent, std::vector<std::string>& report) {
     const int place = motions_[0].joint_count();
     const auto middle = [&](const std::array<int, 2>& limbs) { return (mean_in(hips_, limbs[0]) + mean_in(hips_, limbs[1])) * 0.5; };
     const Vec3 front = middle(fore_), back = middle(hind_), along = front - back;
     std::vector<std::string> names;
+    bool in_front_found = false;
     for (const int c : children_[at(hips_)]) {
       const bool limb = c == fore_[0] || c == fore_[1];
       const bool in_front = c != hind_[0] && c != hind_[1] && !evidence_[at(c)].tail &&
                             (carries_head(c) || carries_only_fore_limbs(c) ||
                              dot(mean_in(hips_, c) - (front + back) * 0.5, along) > 0.25 * dot(along, along));
       if (!limb && !in_front) continue;
+      in_front_found = in_front_found || (in_front && !limb);
       new_parent[at(c)] = place;
       names.push_back(s_.joints[at(c)].name);
+    }
+    if (!in_front_found) {              // of a spine that begins between the limbs, the first joint at the fore limbs continues the chest
+      constexpr double nearest = 0.75;  // share of the way from the hind to the fore limbs
+      for (int i = hips_ + 1; i < static_cast<int>(children_.size()); ++i) {
+        if (!is_below(s_, i, hips_) || children_[at(i)].empty() || is_no_limb(i) || carries_limb(i)) continue;
+        if (dot(mean_in(hips_, i) - back, along) < nearest * dot(along, along)) continue;
+        new_parent[at(i)] = place;
+        names.push_back(s_.joints[at(i)].name);
+        break;
+      }
     }
     const std::string name = s_.joints[at(hips_)].name + "_chest";
     for (MeasuredMotion& m : motions_) append_rigid(m, name, hips_, front, {});

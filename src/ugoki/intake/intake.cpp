@@ -22,6 +22,7 @@
 #include "ugoki/intake/scale.h"
 #include "ugoki/intake/skin_binding.h"
 #include "ugoki/intake/support.h"
+#include "ugoki/intake/usual_plan.h"
 #include "ugoki/robot_formats/robot_file.h"
 #include "ugoki/scene_formats/deepmimic.h"
 #include "ugoki/scene_formats/meshopt.h"
@@ -216,10 +217,11 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   if (!species) return fail(species.error());
   body::Character character = arrange(motions, notes.remarks, mapping, mesh_ends);
   skin.reduce(motions);
-  // An animal that is upright in its longest motion (a jump, a dance) is one by its name and the other motions.
-  if (*species && !mapping && character.plan == body::BodyPlan::human && motions.size() > 1)
-    if (body::Character animal = body::recognise_character(joined(motions)); animal.plan == body::BodyPlan::four_legs)
-      character = std::move(animal);
+  if (*species && !mapping && character.plan == body::BodyPlan::human)
+    if (std::optional<body::Character> animal = animal_of_species(motions, character)) {
+      character = *std::move(animal);
+      notes.remarks.push_back("The character is an animal by its names (" + (**species).names + "), although its joints suit a person.");
+    }
   if (mapping && character.plan == body::BodyPlan::other && mapping->plan != "other")
     return fail(ErrorCode::structure, "mapping", "The mapping does not give a body: " + character.why_not,
                 "Correct the joints of its limbs.");
@@ -292,7 +294,9 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
     if (Result<body::Body> again = body::make_body(all, as_found); again && again->anatomy.plan == found->plan) {
       body = std::move(again);
       body_options.mapping = &*found;
-      out.report.push_back("The parts of the character are those of its longest motion; in all motions together they were not recognised.");
+      if (motions.size() > 1)
+        out.report.push_back(
+            "The parts of the character are those of its longest motion; in all motions together they were not recognised.");
     }
   }
   if (body && *species && body->anatomy.plan == "four legs" && options.mass == 0)

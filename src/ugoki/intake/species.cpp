@@ -47,12 +47,27 @@ std::vector<std::string> words_of(std::string_view name) {
   return words;
 }
 
-/// Adds the longest species name that the word is, or begins or ends with. Names of two letters, and "calf", which is also a part of a leg,
-/// must be the whole word.
+/// Parts of file names that are written together with the name of an animal ("bigcat", "foxwalk").
+constexpr std::string_view companions[] = {
+    "walk",  "run",    "idle",   "trot",     "gallop",  "jump", "eat",     "attack", "anim",      "animation", "animated", "rig",  "rigged",
+    "mesh",  "model",  "low",    "poly",     "lowpoly", "toon", "cartoon", "char",   "character", "final",     "new",      "old",  "test",
+    "big",   "baby",   "little", "small",    "my",      "the",  "black",   "white",  "brown",     "red",       "grey",     "gray", "wild",
+    "house", "arctic", "polar",  "mountain", "were",    "tom",  "toy",     "blend",  "export",    "skin",      "base",     "all"};
+
+/// Adds the longest species name that the word is, or begins or ends with. Short names are parts of other words ("rate", "ramp", "cowboy"):
+/// what is left of the word must be usual beside an animal's name. Names of two letters, and "calf", which is also a part of a leg, must be
+/// the whole word.
 void add_species(const std::string& word, std::vector<const Range*>& found) {
+  constexpr std::size_t longest_short = 4;  // letters
   const Range* best = nullptr;
   for (const Range& r : ranges) {
-    const bool part = r.name.size() > 2 && r.name != "calf" && (word.starts_with(r.name) || word.ends_with(r.name));
+    const bool begins = word.starts_with(r.name), ends = word.ends_with(r.name);
+    if ((!begins && !ends) || word.size() < r.name.size()) continue;
+    const std::string_view rest =
+        begins ? std::string_view(word).substr(r.name.size()) : std::string_view(word).substr(0, word.size() - r.name.size());
+    const bool ending = rest == "s" || rest == "y",
+               usual = r.name.size() > longest_short || (ending && begins) || std::ranges::find(companions, rest) != std::end(companions);
+    const bool part = r.name.size() > 2 && r.name != "calf" && usual;
     if ((word == r.name || part) && (!best || r.name.size() > best->name.size())) best = &r;
   }
   if (best && std::ranges::find(found, best) == found.end()) found.push_back(best);

@@ -1,9 +1,12 @@
 #include "ugoki/intake/usual_plan.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "ugoki/body/joint_names.h"
 #include "ugoki/body/limb_geometry.h"
+#include "ugoki/intake/joined_motion.h"
+#include "ugoki/intake/tree_edit.h"
 
 namespace ugoki::intake {
 namespace {
@@ -44,6 +47,27 @@ std::optional<body::Character> human_in_most(std::span<const MeasuredMotion> mot
   }
   count = std::min(count, max_motions);
   return count >= 3 && 3 * humans >= 2 * count ? std::move(human) : std::nullopt;
+}
+
+std::optional<body::Character> animal_of_species(std::span<const MeasuredMotion> motions, const body::Character& human) {
+  constexpr double level = 0.5, mostly = 0.7;  // sine of the inclination of the trunk; share of the frames
+  if (motions.size() > 1)
+    if (body::Character all = body::recognise_character(joined({motions.begin(), motions.end()})); all.plan == body::BodyPlan::four_legs)
+      return all;
+  std::size_t count = 0;
+  const std::vector<std::vector<Pose>> samples = sample_poses(motions);
+  for (const std::vector<Pose>& X : samples) {
+    const auto middle = [&](const std::array<body::Limb, 2>& l) {
+      return (X[static_cast<std::size_t>(l[0].proximal)].p + X[static_cast<std::size_t>(l[1].proximal)].p) * 0.5;
+    };
+    count += std::fabs(normalized(middle(human.arms) - middle(human.legs)).z) < level ? 1 : 0;
+  }
+  if (static_cast<double>(count) <= mostly * static_cast<double>(samples.size())) return std::nullopt;
+  body::AnatomyMapping mapping = body::mapping_of(human, motions[0].skeleton);
+  mapping.plan = "four legs";
+  body::Character animal = body::recognise_character(*std::ranges::max_element(motions, {}, &MeasuredMotion::frames), &mapping);
+  animal.corrected = false;
+  return animal.plan == body::BodyPlan::four_legs ? std::optional(std::move(animal)) : std::nullopt;
 }
 
 }  // namespace ugoki::intake
