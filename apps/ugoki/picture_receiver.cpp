@@ -62,7 +62,8 @@ void PictureReceiver::on_message(studio::ClientId client, std::string text, std:
       set_failure("The page has sent a picture of another size.");
     } else {
       const std::lock_guard lock(mutex_);
-      arriving_[client] = {static_cast<int>(*number), static_cast<std::size_t>(*size), {}};
+      Pixels& pixels = arriving_[client] = {static_cast<int>(*number), static_cast<std::size_t>(*size), {}};
+      pixels.bytes.reserve(pixels.size);
     }
   }
   done();

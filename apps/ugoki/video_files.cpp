@@ -26,9 +26,10 @@ VideoFiles::~VideoFiles() {
 }
 
 Result<void> VideoFiles::start(const PictureOutputs& outputs) {
-  if (Result<void> done = start(outputs.mp4, ".mp4",
-                                coder({"-c:v", "libx264", "-preset", "ultrafast", "-aq-mode", "1", "-crf", "18", "-pix_fmt", "yuv420p",
-                                       "-movflags", "+faststart"}));
+  // A constant quantiser instead of a constant quality (-crf) saves the analysis of each picture in advance, a third of the encoder's time.
+  if (Result<void> done =
+          start(outputs.mp4, ".mp4",
+                coder({"-c:v", "libx264", "-preset", "ultrafast", "-qp", "17", "-pix_fmt", "yuv420p", "-movflags", "+faststart"}));
       !done)
     return done;
   if (Result<void> done = start(outputs.webm, ".webm",

@@ -17,12 +17,13 @@ class CommandFixture : public ::testing::Test {
     document = std::move(effect->scenario);
     label = effect->label;
   }
-  /// The command is refused with this code at this location, and with a remedy.
-  void refuses(const std::string& command, ErrorCode code, const std::string& location) {
+  /// The command is refused with this code at this location, with a message that contains `words`, and with a remedy.
+  void refuses(const std::string& command, ErrorCode code, const std::string& location, const std::string& words = "") {
     const auto effect = apply_command(document, command, catalogue, next_id);
     ASSERT_FALSE(effect) << command;
     EXPECT_EQ(effect.error().problems.front().code, code) << effect.error().text();
     EXPECT_EQ(effect.error().problems.front().location, location) << effect.error().text();
+    EXPECT_NE(effect.error().problems.front().message.find(words), std::string::npos) << effect.error().text();
     EXPECT_FALSE(effect.error().problems.front().remedy.empty());
   }
   Player open() {

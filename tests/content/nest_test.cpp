@@ -217,7 +217,8 @@ TEST_F(NestTest, RefusesWhatItCannotDo) {
   refuses(R"({"type": "scenario.nest", "name": "X", "characters": ["ball"]})", ErrorCode::conflict, "command/characters");
   apply(R"({"type": "character.set", "id": "ball", "locked": false})");
   apply(R"({"type": "circuit.edit", "changes": []})");
-  refuses(R"({"type": "scenario.nest", "name": "X", "characters": ["ball"]})", ErrorCode::conflict, "command/type");
+  refuses(R"({"type": "scenario.nest", "name": "X", "characters": ["ball"]})", ErrorCode::conflict, "command/type", "nesting would change");
+  refuses(R"({"type": "instance.remove", "id": "duet.1"})", ErrorCode::conflict, "command/type", "removing a scenario would change");
 }
 
 /// The flattened document with the items of one instance under their own ids and names.

@@ -12,7 +12,7 @@ std::string add_instance(Fields& f, const NestTarget& target, const AssignId& as
   ScenarioInstance given;
   f.require("scenario", "the id of an inner scenario");
   read_instance(f, given);
-  if (!f.problems().empty() || has_own_circuit(f, target.document)) return {};
+  if (!f.problems().empty() || has_own_circuit(f, target.document, "placing a scenario")) return {};
   const Scenario* const inner = target.document.find_scenario(given.scenario);
   if (!inner) {
     f.report(ErrorCode::unknown, f.path("scenario"), "There is no scenario '" + given.scenario + "'.",
@@ -48,7 +48,7 @@ std::string set_instance(Fields& f, const NestTarget& target) {
 std::string remove_instance(Fields& f, const NestTarget& target) {
   Scenario& s = target.scenario();
   const ScenarioInstance* const instance = instance_in(f, s);
-  if (!instance || has_own_circuit(f, target.document)) return {};
+  if (!instance || has_own_circuit(f, target.document, "removing a scenario")) return {};
   s.instances.erase(s.instances.begin() + (instance - s.instances.data()));
   remove_dangling(target.document);
   return "Remove scenario";

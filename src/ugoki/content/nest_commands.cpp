@@ -119,7 +119,7 @@ std::string nest_tracks(Fields& f, const NestTarget& target, const AssignId& ass
     f.text("name", inner.name);
     read_ids(f, "characters", "character", host.characters, tracks);
     read_ids(f, "instances", "instance", host.instances, tracks);
-    if (!f.problems().empty() || has_own_circuit(f, document)) return {};
+    if (!f.problems().empty() || has_own_circuit(f, document, "nesting")) return {};
     if (tracks.empty()) f.report(ErrorCode::structure, f.path("characters"), "No tracks are named.", "Name the characters to be nested.");
     for (const ScenarioCharacter& c : host.characters)
       if (c.locked && tracks.contains(c.id))

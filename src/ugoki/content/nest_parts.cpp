@@ -64,10 +64,10 @@ ScenarioInstance* instance_in(Fields& f, Scenario& s) {
   return nullptr;
 }
 
-bool has_own_circuit(Fields& f, const Scenario& document) {
+bool has_own_circuit(Fields& f, const Scenario& document, std::string_view change) {
   if (document.circuit.empty()) return false;
   f.report(ErrorCode::conflict, f.path("type"),
-           "The content has a circuit of its own, which names the characters; nesting would change their names.",
+           "The content has a circuit of its own, which names the characters; " + std::string(change) + " would change these names.",
            "Choose \"Reset to generated\" in the wiring editor first.");
   return true;
 }

@@ -33,7 +33,7 @@ void change_references_to(Scenario& document, const std::string& host, const Cha
 ScenarioInstance* instance_in(Fields& f, Scenario& s);
 /// A new instance of an inner scenario, with the first free number.
 ScenarioInstance new_instance(const Scenario& document, const Scenario& inner);
-/// True if the content has a circuit of its own, in which nothing can be nested; this is reported.
-bool has_own_circuit(Fields& f, const Scenario& document);
+/// True if the content has a circuit of its own, whose names of characters `change` (a noun phrase) would change; this is reported.
+bool has_own_circuit(Fields& f, const Scenario& document, std::string_view change);
 
 }  // namespace ugoki::content

@@ -73,7 +73,7 @@ async function draw_all(settings: Settings, access: Access, socket: PictureSocke
       const next = Math.min(shown + tick, time);
       const wanted = Math.round(next / scene.step);
       if (wanted > steps) frame = await socket.frame((steps = wanted));
-      view.place(frame);
+      view.watch(frame);
       view.update_camera(Math.max(next - shown, 1e-4));
       shown = next;
       if (next >= time) return;
@@ -114,6 +114,7 @@ async function draw_all(settings: Settings, access: Access, socket: PictureSocke
       await go_to(begin + (open_time * k) / settings.blur);
       if (!mine) continue;
       await send_drawn();
+      view.place(frame);
       view.draw(true);
       if (sums || settings.raw === 'rgba') gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
       if (sums) for (let j = 0; j < pixels.length; j++) sums[j]! += pixels[j]!;

@@ -132,7 +132,7 @@ export class SceneView {
 
   /** Poses everything as in `frame`. */
   place(frame: Frame): void {
-    this.shown = frame;
+    this.watch(frame);
     this.characters.forEach((view, i) => {
       const character = frame.characters[i];
       if (!character) return;
@@ -140,6 +140,11 @@ export class SceneView {
       view.group.updateMatrixWorld(true);
     });
     this.place_overlays(frame);
+  }
+
+  /** Directs the camera as in `frame`, and poses nothing: for frames that are not drawn. */
+  watch(frame: Frame): void {
+    this.shown = frame;
     if (!this.film(frame)) this.follow(frame);
   }
 

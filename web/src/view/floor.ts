@@ -78,7 +78,9 @@ float checker(vec2 p, vec2 w) {
 #endif
 // PATTERN is the index into ground_patterns. Without a graphics processor, all branches of an 'if' would be computed for every pixel.
 void main() {
-  #if !defined(SHADOW) && PATTERN < 2
+  #if defined(INNER) && PATTERN < 2
+    gl_FragColor = vec4(v_lit, 1.0);
+  #elif !defined(SHADOW) && PATTERN < 2
     gl_FragColor = vec4(v_faded, 1.0);
   #else
     vec2 p = v_world;
@@ -112,7 +114,7 @@ export function sphere_of(mesh: THREE.Mesh): THREE.Sphere {
   return mesh.geometry.boundingSphere!.clone().applyMatrix4(mesh.matrixWorld);
 }
 
-/** A disc of radius 1: a circle up to the radius `inner`, and rings around it. */
+/** A disc of radius 1: a circle up to the radius `inner` (group 0), and rings around it (group 1). */
 function rings(): THREE.BufferGeometry {
   const at = [0, 0, 0];
   const triangles: number[] = [];
@@ -126,7 +128,10 @@ function rings(): THREE.BufferGeometry {
       else triangles.push(here - sectors, here, next, here - sectors, next, next - sectors);
     }
   }
-  return new THREE.BufferGeometry().setAttribute('position', new THREE.Float32BufferAttribute(at, 3)).setIndex(triangles);
+  const out = new THREE.BufferGeometry().setAttribute('position', new THREE.Float32BufferAttribute(at, 3)).setIndex(triangles);
+  out.addGroup(0, 3 * sectors, 0);
+  out.addGroup(3 * sectors, triangles.length - 3 * sectors, 1);
+  return out;
 }
 
 /**
@@ -145,7 +150,8 @@ export class Floor {
     u_reach: { value: 20 },
     u_strength: { value: 0.5 },
   };
-  private readonly disc: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>;
+  /** Materials: of the inner circle, which has one colour, and of the rings, whose colour is interpolated for each pixel. */
+  private readonly disc: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial[]>;
   private readonly patches: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>;
   private readonly rings = rings();
   private readonly whole = new THREE.CircleGeometry(1, sectors);
@@ -159,7 +165,9 @@ export class Floor {
       new THREE.ShaderMaterial({ uniforms: this.uniforms, vertexShader: vertex_shader, fragmentShader: fragment_shader, lights: true, ...more, defines: { PATTERN: 0, ...more.defines } });
     // The patches are drawn first. The disc is moved back by the smallest visible depth, so that it does not cover them.
     this.patches = new THREE.Mesh(new THREE.BufferGeometry().setAttribute('position', this.corners), material({ defines: { PATCH: '' } }));
-    this.disc = new THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>(this.rings, material({ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 }));
+    const back = { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 };
+    this.disc = new THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial[]>(this.rings, [material({ ...back, defines: { INNER: '' } }), material(back)]);
+    this.whole.addGroup(0, Infinity, 0);
     this.patches.receiveShadow = true;
     for (const [order, mesh] of [this.patches, this.disc].entries()) {
       mesh.frustumCulled = false;
@@ -207,9 +215,9 @@ export class Floor {
   set_colors(floor: THREE.Color, line: THREE.Color, background: THREE.Color, strength: number, pattern: string): void {
     const index = Math.max(0, ground_patterns.indexOf(pattern));
     this.lines.mesh.visible = this.has_lines = index === 0;
-    for (const mesh of [this.patches, this.disc]) {
-      mesh.material.defines.PATTERN = index;
-      mesh.material.needsUpdate = true;
+    for (const material of this.materials) {
+      material.defines.PATTERN = index;
+      material.needsUpdate = true;
     }
     this.uniforms.u_floor.value.copy(floor);
     this.uniforms.u_line.value.copyLinearToSRGB(line);
@@ -217,16 +225,20 @@ export class Floor {
     this.uniforms.u_strength.value = strength;
   }
 
+  private get materials(): THREE.ShaderMaterial[] {
+    return [this.patches.material, ...this.disc.material];
+  }
+
   /** Selects how the floor is drawn from now on. */
   draw_as(mode: FloorMode): void {
     const hidden = mode === 'depth';
     // With depth, the patches are drawn first and hide the disc there; without, they are drawn over it.
     const orders = { whole: [1, 2], depth: [-2, -1], flat: [2, 1] }[mode];
-    for (const [i, mesh] of [this.patches, this.disc].entries()) {
-      mesh.material.colorWrite = !hidden;
-      mesh.material.depthTest = mesh.material.depthWrite = mode !== 'flat';
-      mesh.renderOrder = orders[i]!;
+    for (const material of this.materials) {
+      material.colorWrite = !hidden;
+      material.depthTest = material.depthWrite = mode !== 'flat';
     }
+    for (const [i, mesh] of [this.patches, this.disc].entries()) mesh.renderOrder = orders[i]!;
     this.lines.mesh.material.depthTest = mode !== 'flat';
     this.disc.geometry = hidden ? this.whole : this.rings; // without colours, no rings are needed
     this.lines.mesh.visible = this.has_lines && !hidden;
