@@ -26,12 +26,12 @@ void check_random_history(Project project, std::size_t count, unsigned seed) {
   content::testing::RandomCommands random(seed);
   std::vector<std::uint64_t> states = {std::hash<std::string>{}(project.document())};
   const auto state = [&] { return std::hash<std::string>{}(project.document()); };
-  constexpr int most_refused = 2000;  // in a row: more mean that the generator is in a dead end
+  constexpr int max_refused = 2000;  // in a row: more mean that the generator is in a dead end
   for (int refused = 0; states.size() <= count;) {
     const std::string command = random.next(project.scenario());
     const auto change = project.execute(command);
     if (!change || change->label.empty()) {
-      ASSERT_LT(++refused, most_refused) << "in state " << states.size() << ": " << command << "\n"
+      ASSERT_LT(++refused, max_refused) << "in state " << states.size() << ": " << command << "\n"
                                          << (change ? "changes nothing" : change.error().text()) << "\n"
                                          << project.document();
       continue;

@@ -13,7 +13,7 @@ std::string unnest_instance(Fields& f, const NestTarget& target, const AssignId&
   Scenario& document = target.document;
   Scenario& host = target.scenario();
   const ScenarioInstance* const found = instance_in(f, host);
-  if (!found || has_own_circuit(f, document, "taking a scenario apart")) return {};
+  if (!found || has_own_circuit(f, document, "splitting a scenario")) return {};
   const ScenarioInstance instance = *found;
   const Order before = order_of(document, host);
   Scenario part = *document.find_scenario(instance.scenario);
