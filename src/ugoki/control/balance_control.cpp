@@ -76,10 +76,9 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
   // 3. Centre of mass
   const double w0 = std::sqrt(norm(o.gravity) / std::max(0.05, model_.want.centre.z - model_.floor - state.z));
   model_.w0 = w0;
-  // The reference moves from one foot to the other at the velocity u for the remaining time T. A DCM that is ahead of the reference by u /
-  // w0 (1 - exp(-w0 T)) arrives without effort.
+  // The reference moves from one foot to the other. A DCM that is ahead of it by the distance `ahead` arrives without effort.
   Vec3 e = model_.centroid.centre - model_.want.centre;
-  Vec3 e_rate = model_.centroid.velocity - model_.want.velocity - anchor_.rate() * (1 - exp(-w0 * anchor_.rest()));
+  Vec3 e_rate = model_.centroid.velocity - model_.want.velocity - (airborne ? Vec3{} : anchor_.ahead(w0) * w0);
   // On a slope, the centre of mass rises with the ground.
   e.z -= model_.ground_rise(state, model_.centroid.centre);
   e_rate.z -= ground_.climb() + state.tilt[0] * model_.centroid.velocity.x + state.tilt[1] * model_.centroid.velocity.y;

@@ -26,6 +26,7 @@ BalanceModel::BalanceModel(MechanismPtr m, std::shared_ptr<const ReferenceMotion
       options(settings),
       feet(feet_of(*mechanism)),
       schedule(*mechanism, feet, *motion, level),
+      feasible(*mechanism, feet, schedule, *motion, settings, level),
       floor(level),
       map(std::move(ground)),
       now(*mechanism),
@@ -73,6 +74,11 @@ void BalanceModel::sample_reference(const BalanceState& state) {
   want_rate = want_rate * (1 / (state.rate * state.rate));
   want.velocity = want.velocity / state.rate;
   want.momentum = want.momentum * (1 / state.rate);
+  const Mat3 heading = rotation_about({0, 0, 1}, state.heading);
+  const FeasibleCentre::Shift shift = feasible.at(state.time);
+  want.centre += heading * shift.position;
+  want.velocity += heading * shift.velocity;
+  want_rate.v += heading * shift.acceleration * mass_;
 }
 
 void BalanceModel::carry(std::span<const HeldPoint> held) {

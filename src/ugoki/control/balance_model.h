@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ugoki/control/balance_types.h"
+#include "ugoki/control/feasible_centre.h"
 #include "ugoki/control/foot_schedule.h"
 #include "ugoki/control/ground_map.h"
 #include "ugoki/dynamics/centroidal.h"
@@ -60,6 +61,7 @@ struct BalanceModel {
   BalanceOptions options;
   std::vector<Foot> feet;
   FootSchedule schedule;
+  FeasibleCentre feasible;
   double floor = 0;  // m: of the reference
   GroundMap map;
   int chest = -1;                     // link; -1: none

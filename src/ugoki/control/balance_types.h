@@ -33,11 +33,14 @@ struct BalanceOptions {
   double load_cost = 1e-6;                ///< cost of a squared edge force, N^-2
   double touch = 1e-3;                    ///< m: only contact points closer to the ground than this bear load
   double hover = 2e-3, max_hover = 0.05;  ///< m: points of a standing sole that are this high above the ground are pressed down
-  double exact = 2e-3;       ///< m: on level ground, points of a computed sole higher than this above its lowest point are not pressed down
-  double hover_weight = 60;  ///< weight of the tasks that press them down
+  double exact =
+      2e-3;  ///< m: on level ground, points of a sole that the reference has higher than this above its lowest point are not pressed down
+  double hover_weight = 3000;  ///< weight of the tasks that press them down; the posture of the ankle holds a heel up with a smaller weight
   double hover_time = 0.04, hover_speed = 0.5;  ///< s, m/s: they move down at height / time, and not faster than this
   double lifting = 0.15;          ///< m/s: no load on a point that, in the reference, rises this much faster than the foot's slowest point
   double lifted = 0.01;           ///< m: no load on a rising point that, in the reference, is this much higher than the foot's lowest point
+  double sole_share = 0.9;        ///< share of each sole in which the reference has its centre of pressure (feasible_centre.h)
+  double pressure_reach = 0.15;   ///< heights of the centre of mass: maximum correction of the centre of pressure of the reference
   double anchor_time = 0.04;      ///< s: time constant with which the anchor follows the foot
   double ground_time = 0.1;       ///< s: time constant with which the height and the slope of the reference's ground follow the real ground
   double leg_share = 1;           ///< the body is lowered if a leg would be longer than this share of its maximum length in the reference

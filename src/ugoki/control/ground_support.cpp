@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "ugoki/control/support_area.h"
 #include "ugoki/spatial/elementary.h"
 
 namespace ugoki::control {
@@ -66,9 +67,9 @@ void GroundSupport::find_bearing(const BalanceModel& model, const BalanceState& 
 void GroundSupport::find_hovering(const BalanceModel& model, const BalanceState& state, std::size_t f) {
   const BalanceOptions& o = model.options;
   constexpr double edge = 0.01;   // m: bearing points that are this close to the edge stay
-  constexpr double level = 3e-3;  // m: on ground that is level within this height, measured soles keep their tilt
-  // The soles of a computed motion have no error. A sole whose heel hovered by more than `touch` would bear load at the toes only, and the
-  // pressure in front of the centre of mass would brake each step.
+  constexpr double level = 3e-3;  // m: on ground that is level within this height, soles keep the tilt of the reference
+  // A sole whose heel hovers bears load at the toes only, and the pressure in front of the centre of mass brakes each step. The soles of a
+  // computed motion have no error, so they are pressed down as soon as a point ceases to bear load.
   const bool exact = model.schedule.knows_contacts(state.time);
   const double hover = exact ? o.touch : o.hover;
   double lowest = 1e9, slowest = 1e9;
@@ -103,7 +104,7 @@ void GroundSupport::find_hovering(const BalanceModel& model, const BalanceState&
     hovering_.push_back({static_cast<int>(f), point.link, p, gap, wanted.z - lowest});
   }
   if (highest_ground - lowest_ground < level)
-    std::erase_if(hovering_, [&](const HoveringPoint& h) { return h.foot == static_cast<int>(f) && (!exact || h.raised > o.exact); });
+    std::erase_if(hovering_, [&](const HoveringPoint& h) { return h.foot == static_cast<int>(f) && h.raised > o.exact; });
   if (hovering_.size() == first) return;
   Vec3 middle;
   for (std::size_t k = first; k < hovering_.size(); ++k) middle += hovering_[k].p;
@@ -171,37 +172,7 @@ double GroundSupport::distance_to_edge(int foot, const BalanceState& state, cons
     if (c.distance <= near_ground && state.feet[c.foot].stands && (foot < 0 || c.foot == foot)) hull_.push_back(horizontal(c.p));
   closest = p;
   if (hull_.empty()) return -1e3;
-  // Convex hull by the monotone chain (Andrew 1979), counter-clockwise, stored in hull_ after the points.
-  std::sort(hull_.begin(), hull_.end(), [](const Vec3& a, const Vec3& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-  const std::size_t n = hull_.size();
-  const auto turn = [](const Vec3& o, const Vec3& a, const Vec3& b) { return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x); };
-  for (int pass = 0; pass < 2; ++pass) {
-    const std::size_t start = hull_.size();
-    for (std::size_t k = 0; k < n; ++k) {
-      const Vec3 q = hull_[pass == 0 ? k : n - 1 - k];
-      while (hull_.size() >= start + 2 && turn(hull_[hull_.size() - 2], hull_.back(), q) <= 0) hull_.pop_back();
-      hull_.push_back(q);
-    }
-    hull_.pop_back();
-  }
-  const std::size_t corners = hull_.size() - n;
-  double inside = 1e3, best = 1e300;
-  const Vec3 flat = horizontal(p);
-  for (std::size_t k = 0; k < std::max<std::size_t>(1, corners); ++k) {
-    const Vec3 a = corners ? hull_[n + k] : hull_[0], b = corners ? hull_[n + (k + 1) % corners] : hull_[0];
-    const Vec3 edge = b - a;
-    const double length = norm(edge);
-    const double s = length > 0 ? std::clamp(dot(flat - a, edge) / (length * length), 0.0, 1.0) : 0;
-    const Vec3 q = a + edge * s;
-    if (norm(flat - q) < best) {
-      best = norm(flat - q);
-      closest = q;
-    }
-    inside = std::min(inside, length > 0 ? turn(a, b, flat) / length : -best);
-  }
-  if (corners < 3 || inside < 0) return -best;
-  closest = flat;
-  return inside;
+  return control::distance_to_edge(hull_, p, closest);
 }
 
 }  // namespace ugoki::control

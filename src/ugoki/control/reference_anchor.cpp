@@ -30,20 +30,15 @@ void ReferenceAnchor::home(const BalanceModel& model, const BalanceState& state,
 void ReferenceAnchor::update(const BalanceModel& model, double dt, BalanceState& state) {
   // The share of a foot grows in the time after it landed and decreases in the time before it lifts. In a walk, the share moves linearly
   // from the rear to the front foot during double support.
-  Weights weights{}, rates{};
-  double sum = 0, sum_rate = 0, next_change = 1e300;
-  rate_ = {};
-  rest_ = 0;
+  Weights weights{};
+  double sum = 0;
+  moves_.count = 0;
   for (std::size_t f = 0; f < model.feet.size(); ++f) {
     if (!state.feet[f].stands) continue;
     const ScheduledFoot planned = model.schedule.at(f, state.time);
     const double since = planned.stands ? state.time - planned.begin : 0, until = planned.stands ? planned.end - state.time : 1e300;
     weights[f] = std::max(std::min({since, until, model.options.max_transfer}), 1e-6);
-    rates[f] = weights[f] == since ? state.rate : weights[f] == until ? -state.rate : 0;
     sum += weights[f];
-    sum_rate += rates[f];
-    const double change = weights[f] == since ? std::min(until, model.options.max_transfer - since) : until;
-    next_change = std::min(next_change, change);
   }
   if (sum == 0) {
     if (model.flight(state)) {  // The centre of mass flies along a parabola. The reference flies with it.
@@ -60,13 +55,18 @@ void ReferenceAnchor::update(const BalanceModel& model, double dt, BalanceState&
     const Pose &X = model.now.X_WB[at(model.feet[f].link)], &X_ref = model.ref.X_WB[at(model.feet[f].link)];
     const Vec3 offset = model.sole(f) - model.reference_sole(f);
     shift += offset * share;
-    rate_ += horizontal(offset) * ((rates[f] - share * sum_rate) / sum);
+    const ScheduledFoot planned = model.schedule.at(f, state.time);
+    // A foot that landed early carries load from its touch-down in the reference on.
+    const double begin = planned.stands ? planned.begin : planned.end;
+    const double end = planned.stands ? planned.end : planned.next ? planned.next->end : planned.end;
+    moves_.feet[moves_.count++] = {state.time - begin, end - state.time, horizontal(offset)};
     centre += model.reference_sole(f) * share;
     const Vec3 rotation = log_map(to_quat(X.R * X_ref.R.transposed()));
     turn += rotation.z * share;
   }
   home(model, state, centre, shift, turn);
-  rest_ = next_change / state.rate;
+  moves_.rate = state.rate;
+  moves_.max_share = model.options.max_transfer;
   const double follow = std::min(1.0, dt / model.options.anchor_time);
   const double angle = model.options.heading_time > 0 ? turn * std::min(1.0, dt / model.options.heading_time) : 0;
   // Rotates the reference about its standing foot, then translates it.
@@ -75,6 +75,34 @@ void ReferenceAnchor::update(const BalanceModel& model, double dt, BalanceState&
   state.x = next.x;
   state.y = next.y;
   state.heading = next.heading;
+}
+
+Vec3 ReferenceAnchor::ahead(double w0) const {
+  if (moves_.count < 2) return {};
+  constexpr double h = 0.01;  // s
+  constexpr int samples = 60;
+  const double decay = exp(-w0 * h);
+  double factor = exp(-0.5 * w0 * h);  // in the middle of an interval
+  Vec3 sum, before;
+  for (int k = 0; k <= samples; ++k) {
+    const double s = k * h * moves_.rate;
+    Vec3 place;
+    double total = 0;
+    for (std::size_t f = 0; f < moves_.count; ++f) {
+      const Move& foot = moves_.feet[f];
+      const double weight = std::max(std::min({foot.since + s, foot.until - s, moves_.max_share}), 1e-6);
+      place += foot.offset * weight;
+      total += weight;
+    }
+    if (k > 0 && total < 1e-4) break;  // all feet lift
+    place = place / total;
+    if (k > 0) {
+      sum += (place - before) * factor;
+      factor *= decay;
+    }
+    before = place;
+  }
+  return sum;
 }
 
 }  // namespace ugoki::control
