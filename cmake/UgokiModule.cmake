@@ -16,12 +16,14 @@ if(UGOKI_SANITIZE)
   target_link_options(ugoki_settings INTERFACE -fsanitize=${UGOKI_SANITIZE})
 endif()
 
-# Parsing the headers of the standard library takes more than a second of processor time, most of the time of a small source. With this option they
-# are parsed once for all modules, together with JSON once for the modules that use it, and with GoogleTest once for the tests. Sources with compile
-# options of their own have the property SKIP_PRECOMPILE_HEADERS. Builds without the option check that sources include all they use.
-option(UGOKI_PRECOMPILED_HEADERS "Precompile the headers of the standard library, JSON and GoogleTest" OFF)
-set(ugoki_standard_headers <algorithm> <array> <cmath> <cstdint> <cstring> <filesystem> <fstream> <functional> <map> <memory> <optional> <span>
-  <string> <string_view> <utility> <vector>)
+# Parsing the headers of the standard library takes more than a second of processor time, most of the time of a small source, and that of mechanisms
+# half a second. With this option they are parsed once for all modules, together with JSON once for the modules that use it, and with GoogleTest once
+# for the tests. Sources with compile options of their own have the property SKIP_PRECOMPILE_HEADERS. Builds without the option check that sources
+# include all they use.
+option(UGOKI_PRECOMPILED_HEADERS "Precompile the headers of the standard library, mechanisms, JSON and GoogleTest" OFF)
+set(ugoki_mechanism_header ${PROJECT_SOURCE_DIR}/src/ugoki/mechanism/mechanism.h)
+set(ugoki_standard_headers <algorithm> <array> <atomic> <chrono> <cmath> <condition_variable> <cstdint> <cstring> <expected> <filesystem> <fstream> <functional>
+  <limits> <map> <memory> <mutex> <numbers> <optional> <ranges> <set> <span> <string> <string_view> <thread> <utility> <variant> <vector>)
 
 # use_precompiled(<target> <kind> LIBS <targets>... HEADERS <headers>... [OPTIONS <options>...]): compiles the headers once for all targets of a kind.
 function(use_precompiled target kind)
@@ -41,6 +43,18 @@ function(use_precompiled target kind)
   target_precompile_headers(${target} REUSE_FROM ugoki_${kind}_headers)
 endfunction()
 
+# ugoki_dependencies(<variable> <modules>...): all modules on which these depend, and these.
+function(ugoki_dependencies out)
+  set(all "")
+  foreach(name IN LISTS ARGN)
+    get_property(more GLOBAL PROPERTY UGOKI_DEPENDS_${name})
+    ugoki_dependencies(deeper ${more})
+    list(APPEND all ${name} ${deeper})
+  endforeach()
+  list(REMOVE_DUPLICATES all)
+  set(${out} ${all} PARENT_SCOPE)
+endfunction()
+
 # ugoki_module(<name> SOURCES <files>... [DEPENDS <modules>...] [PRIVATE_LIBS <targets>...]): adds the library ugoki_<name>.
 function(ugoki_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE_LIBS" ${ARGN})
@@ -54,10 +68,17 @@ function(ugoki_module name)
       set(small small_)
       target_compile_options(ugoki_${name} PRIVATE -Oz)
     endif()
+    ugoki_dependencies(all ${ARG_DEPENDS})
+    set(headers HEADERS)
+    set(kind standard)
+    if(mechanism IN_LIST all)
+      list(APPEND headers ${ugoki_mechanism_header})
+      set(kind mechanism)
+    endif()
     if(nlohmann_json::nlohmann_json IN_LIST ARG_PRIVATE_LIBS)
-      use_precompiled(ugoki_${name} ${small}json LIBS nlohmann_json::nlohmann_json HEADERS <nlohmann/json.hpp> ${options})
+      use_precompiled(ugoki_${name} ${small}json_${kind} LIBS nlohmann_json::nlohmann_json ${headers} <nlohmann/json.hpp> ${options})
     else()
-      use_precompiled(ugoki_${name} ${small}standard ${options})
+      use_precompiled(ugoki_${name} ${small}${kind} ${headers} ${options})
     endif()
     set(visibility PUBLIC)
   else()
@@ -95,7 +116,8 @@ function(ugoki_test name)
     set(optimise $<$<CONFIG:Release>:-O1>)
   endif()
   target_compile_options(ugoki_${name}_test PRIVATE ${optimise})
-  use_precompiled(ugoki_${name}_test ${kind} LIBS GTest::gtest nlohmann_json::nlohmann_json HEADERS <gtest/gtest.h> <nlohmann/json.hpp> OPTIONS ${optimise})
+  use_precompiled(ugoki_${name}_test ${kind} LIBS GTest::gtest nlohmann_json::nlohmann_json HEADERS <random> <sstream> <gtest/gtest.h> <nlohmann/json.hpp> ${ugoki_mechanism_header}
+    OPTIONS ${optimise})
   target_compile_definitions(ugoki_${name}_test PRIVATE
     UGOKI_SHARED_DATA="${PROJECT_SOURCE_DIR}/../shared/data" UGOKI_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   add_test(NAME ${name} COMMAND ugoki_${name}_test --gtest_filter=-Slow*)
