@@ -54,9 +54,9 @@ constexpr std::string_view companions[] = {
     "big",   "baby",   "little", "small",    "my",      "the",  "black",   "white",  "brown",     "red",       "grey",     "gray", "wild",
     "house", "arctic", "polar",  "mountain", "were",    "tom",  "toy",     "blend",  "export",    "skin",      "base",     "all"};
 
-/// Adds the longest species name that the word is, or begins or ends with. Short names are parts of other words ("rate", "ramp", "cowboy"):
-/// what is left of the word must be usual beside an animal's name. Names of two letters, and "calf", which is also a part of a leg, must be
-/// the whole word.
+/// Adds the longest species name that the word is, or begins or ends with. Short names are parts of other words ("rate", "ramp", "cowboy"),
+/// so they count only if the rest of the word is usual beside the name of an animal. A name of two letters counts only as the whole word,
+/// and so does "calf", which is also a part of a leg.
 void add_species(const std::string& word, std::vector<const Range*>& found) {
   constexpr std::size_t longest_short = 4;  // letters
   const Range* best = nullptr;
