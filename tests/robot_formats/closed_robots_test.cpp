@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 
 #include "robot_data.h"
 #include "ugoki/dynamics/closed_reference.h"
@@ -24,12 +26,20 @@ std::vector<std::string> closed_files() {
   return out;
 }
 
+/// Largest relative difference of the accelerations of two methods in comparisons of any condition number.
+constexpr double same = 1e-8;
+
+/// Largest share of the bound for a backward stable method by which the methods may differ where the loops' equations are so
+/// ill-conditioned that `same` is not reached. robot_delta has nearly redundant rows (condition number 5e10) and reaches 0.001.
+constexpr double roundoff_share = 0.01;
+
 /// Results of one simulation.
 struct Outcome {
   double gap = 0;           ///< m | rad, maximum
   double disagreement = 0;  ///< relative difference of the accelerations of the two methods
   double maximum = 0;       ///< largest acceleration, m/s^2 | rad/s^2
   int comparisons = 0;
+  int differences = 0;  ///< comparisons in which the methods differ by more than rounding explains
 };
 
 double relative_difference(std::span<const double> a, std::span<const double> b) {
@@ -58,6 +68,29 @@ std::vector<char> independent_rows(const dynamics::ClosedWorkspace& cw) {
   for (int k = 0; k < cw.rank; ++k)
     rows[static_cast<std::size_t>(cw.active[static_cast<std::size_t>(cw.row_order[static_cast<std::size_t>(k)])])] = 1;
   return rows;
+}
+
+/// Condition number of the equations for the loop forces, A = J M^-1 J^T, where J has the chosen rows of the closed loops. A method that is
+/// backward stable finds accelerations with a relative error of the order of this number times the unit roundoff (Higham 2002, Accuracy and
+/// Stability of Numerical Algorithms, chapter 7), so two methods may differ by as much near a dead point of the loops.
+double condition_of(const Mechanism& m, const dynamics::ClosedWorkspace& cw, dynamics::Workspace& ws, std::span<const double> q,
+                    std::span<const double> v, std::span<const char> chosen) {
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Eigen::Index n = m.nv();
+  dynamics::LoopRows rows(cw.loops);
+  update_loop_rows(m, ws, cw.loops, q, v, rows);
+  Matrix J(0, n), M(n, n);
+  for (std::size_t i = 0; i < cw.loops.size(); ++i)
+    for (int r = 0; cw.closed[i] && r < cw.loops[i].rows(); ++r) {
+      if (!chosen[static_cast<std::size_t>(rows.first[i] + r)]) continue;
+      J.conservativeResize(J.rows() + 1, n);
+      calc_loop_jacobian_row(m, ws, cw.loops[i], rows, static_cast<int>(i), r, {J.row(J.rows() - 1).data(), static_cast<std::size_t>(n)});
+    }
+  calc_inertia_matrix(m, ws, {M.data(), static_cast<std::size_t>(n * n)});
+  // A = B^T B with B = L^-1 J^T and M = L L^T: the condition number of A is the square of that of B.
+  const Eigen::MatrixXd B = Eigen::LLT<Eigen::MatrixXd>(M).matrixL().solve(Eigen::MatrixXd(J.transpose()));
+  const Eigen::VectorXd values = Eigen::JacobiSVD<Eigen::MatrixXd>(B).singularValues();
+  return std::pow(values(0) / values(values.size() - 1), 2);
 }
 
 /// Simulates the fall for `seconds` in steps of 1 ms, and compares the two methods every `every` steps.
@@ -109,7 +142,10 @@ Outcome fall(const MechanismPtr& m, double seconds, int every) {
     EXPECT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*m, cw, system.drive, options.gravity, {}, paper));
     // The rounding error of positions grows with the distance fallen.
     const double distance = 1 + norm(ws.p0);
-    out.disagreement = std::max(out.disagreement, relative_difference(fast, paper) / distance);
+    const double difference = relative_difference(fast, paper) / distance;
+    if (difference > same && difference > roundoff_share * condition_of(*m, cw, ws, q, v, chosen) * std::numeric_limits<double>::epsilon())
+      ++out.differences;
+    out.disagreement = std::max(out.disagreement, difference);
     for (const double a : fast) out.maximum = std::max(out.maximum, std::fabs(a));
     ++out.comparisons;
   }
@@ -131,7 +167,7 @@ void fall_all(double seconds, int every) {
       std::cout << short_path(path) << (base == Base::fixed ? ", swinging" : ", falling") << ": gap " << o.gap << ", maximum acceleration "
                 << o.maximum << ", the two methods differ by " << o.disagreement << " in " << o.comparisons << " comparisons\n";
       EXPECT_LT(o.gap, 1e-9);
-      EXPECT_LT(o.disagreement, 1e-8);
+      EXPECT_EQ(o.differences, 0);
     }
   }
 }
