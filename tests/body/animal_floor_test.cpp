@@ -87,6 +87,46 @@ TEST(AnimalFloor, IsTheLevelOfThePawsOfTheStandingAnimal) {
   }
 }
 
+// The rest pose of a skin can have the ends of bones elsewhere than the motion, which holds them at one place of their parents.
+TEST(AnimalBody, HasTheBonesOfTheMotionWhereTheRestPoseContradictsIt) {
+  MeasuredMotion dog = lying_dog(-0.1);
+  const std::size_t before = dog.skeleton.joints.size();
+  std::vector<std::size_t> paws;
+  for (std::size_t i = 0; i < before; ++i)
+    if (dog.skeleton.joints[i].name.find("Paw") != std::string::npos || dog.skeleton.joints[i].name == "Head") paws.push_back(i);
+  for (const std::size_t paw : paws) {  // a joint at the end of each paw
+    SkeletonJoint end;
+    end.name = dog.skeleton.joints[paw].name + "End";
+    end.parent = static_cast<int>(paw);
+    end.offset = dog.skeleton.joints[paw].end_sites[0];
+    end.translates = true;
+    dog.skeleton.joints[paw].end_sites.clear();
+    dog.skeleton.joints.push_back(end);
+  }
+  const std::size_t n = dog.skeleton.joints.size();
+  std::vector<Vec3> translations;
+  std::vector<Quat> rotations(n * static_cast<std::size_t>(dog.frames));
+  for (std::size_t f = 0; f < static_cast<std::size_t>(dog.frames); ++f)
+    for (std::size_t i = 0; i < n; ++i) {
+      translations.push_back(i < before ? dog.translations[f * before + i] : dog.skeleton.joints[i].offset);
+      if (i < before) rotations[f * n + i] = dog.rotations[f * before + i];
+    }
+  dog.translations = translations;
+  dog.rotations = rotations;
+  const auto body = make_body(dog);
+  ASSERT_TRUE(body) << body.error().text();
+  ASSERT_EQ(body->anatomy.plan, "four legs");
+  for (std::size_t i = before; i < n; ++i) dog.skeleton.joints[i].offset = dog.skeleton.joints[i].offset * 12.0 + Vec3{0, 0.3, 0};
+  const auto same = make_body(dog);
+  ASSERT_TRUE(same) << same.error().text();
+  for (int i = 0; i < body->mechanism->link_count(); ++i) {
+    const Link &a = body->mechanism->link(i), &b = same->mechanism->link(i);
+    EXPECT_NEAR(a.inertia.mass, b.inertia.mass, 1e-9) << a.name;
+    ASSERT_EQ(a.shapes.size(), b.shapes.size()) << a.name;
+    for (std::size_t k = 0; k < a.shapes.size(); ++k) EXPECT_NEAR(a.shapes[k].half_length, b.shapes[k].half_length, 1e-9) << a.name;
+  }
+}
+
 /// Only the frames in which the dog stands.
 MeasuredMotion standing_dog() {
   MeasuredMotion dog = lying_dog(-0.1);

@@ -73,6 +73,12 @@ TEST(JointNames, NamesDistinguishHindLimbsAndControls) {
   const std::vector<std::string> corners = {"LegFLAnkle", "LegBR1", "spine"};
   const std::vector<NameEvidence> c = read_joint_names(corners);
   EXPECT_TRUE(c[0].fore && c[0].side > 0 && c[1].hind && c[1].side < 0);
+  const std::vector<std::string> joined = {"frontleg0", "R_backleg", "hindpaw", "legfront", "forefoot", "backbone", "forearm"};
+  const std::vector<NameEvidence> j = read_joint_names(joined);
+  EXPECT_TRUE(j[0].fore && !j[0].hind && j[0].part == Part::forearm);
+  EXPECT_TRUE(j[1].hind && !j[1].fore && j[1].part == Part::shank && j[1].side < 0);
+  EXPECT_TRUE(j[2].hind && j[3].fore);
+  EXPECT_TRUE(!j[4].fore && !j[5].hind && !j[6].fore) << "parts of a person";
 }
 
 TEST(Recognise, ThePartsDoNotDependOnTheRestPose) {

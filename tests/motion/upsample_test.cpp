@@ -81,7 +81,10 @@ TEST(Upsample, MotionsWithEnoughFramesAndPosesStay) {
   Motion pose = recorded(*m, 12, false);
   pose.frames = 1;
   pose.q.resize(static_cast<std::size_t>(pose.nq));
+  pose.contacts[0].on.resize(1);
   EXPECT_EQ(upsampled(pose, *m, 120).frames, 1);
+  EXPECT_EQ(upsampled(pose, *m, 120).q, pose.q);
+  EXPECT_EQ(upsampled(pose, *m, 120).rate, pose.rate) << "a pose has no intervals to divide";
   Motion two = recorded(*m, 12, false);
   two.frames = 2;
   two.q.resize(static_cast<std::size_t>(2 * two.nq));

@@ -421,6 +421,18 @@ TEST(Scene, NodesBelowABoneThatTurnAreJointsWithoutWeights) {
   EXPECT_GE(joint_named(m, "knee"), 0);
 }
 
+// A stack whose span of time is elsewhere than its keys: the library stops the process at a property without a key in the span.
+TEST(Scene, AnFbxStackWithoutKeysInItsSpanLastsFromItsFirstToItsLastKey) {
+  for (const auto& [start, stop] : {std::pair(92372316000, 138558474000), std::pair(-92372316000, -46186158000)}) {
+    const std::string span =
+        "  AnimationStack: 20, \"AnimStack::walk\", \"\" {\n    Properties70:  {\n      P: \"LocalStart\", \"KTime\", \"Time\", \"\"," +
+        std::to_string(start) + "\n      P: \"LocalStop\", \"KTime\", \"Time\", \"\"," + std::to_string(stop) + "\n    }\n";
+    const auto read = read_scene(bytes_of(with(fbx_text, "  AnimationStack: 20, \"AnimStack::walk\", \"\" {\n", span)), "x.fbx");
+    ASSERT_TRUE(read) << read.error().text();
+    expect_same(read->front(), read_scene(bytes_of(fbx_text), "x.fbx")->front(), 1e-12);
+  }
+}
+
 TEST(Scene, EachStackOfAnFbxFileIsAMotion) {
   // Stacks of a motion editor: a second one with its own keys, one without a layer, and one whose layer has no curves.
   std::string text = with(fbx_text, "  AnimationLayer: 21", R"(  AnimationStack: 30, "AnimStack::run", "" {

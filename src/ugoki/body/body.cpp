@@ -455,6 +455,7 @@ class Maker {
 
 Result<Body> make_body(const MeasuredMotion& motion, const BodyOptions& options) {
   if (Error errors = check_input(motion); !errors.empty()) return fail(std::move(errors));
+  if (const std::optional<MeasuredMotion> corrected = with_measured_offsets(motion)) return make_body(*corrected, options);
   const int calibration = count_calibration_frames(motion);
   if (calibration == 0) return Maker(motion, options).run();
   Result<Body> body = Maker(without_first(motion, calibration), options).run();

@@ -252,6 +252,21 @@ int take_side(std::string& word) {
   return 0;
 }
 
+/// Removes from `word` a girdle that is written without a separator ("frontleg", "hindpaw", "legback"). "forefoot" and "hindfoot" are also
+/// parts of a person's foot and stay. @return 1: fore limb, -1: hind limb, 0: none
+int take_girdle(std::string& word) {
+  for (const auto& [mark, girdle] : {std::pair<std::string_view, int>{"front", 1}, {"fore", 1}, {"hind", -1}, {"rear", -1}, {"back", -1}}) {
+    if (word.size() <= mark.size() || (!word.starts_with(mark) && !word.ends_with(mark))) continue;
+    const std::string rest = word.starts_with(mark) ? word.substr(mark.size()) : word.substr(0, word.size() - mark.size());
+    const Entry* e = find_entry(rest);
+    const bool of_person = rest == "foot" && (mark == "fore" || mark == "hind");
+    if (of_person || (rest != "paw" && rest != "hoof" && (!e || !is_leg(e->part)))) continue;
+    word = rest;
+    return girdle;
+  }
+  return 0;
+}
+
 std::string without(std::string text, std::string_view word) {
   const std::size_t i = text.find(word);
   return i == std::string::npos ? text : text.erase(i, word.size());
@@ -283,6 +298,7 @@ NameEvidence evidence_of(const std::vector<std::string>& words) {
     }
     if (word == "lfront" || word == "lfore") out.side = 1;
     if (const int side = take_side(word); side != 0 && out.side == 0) out.side = side;
+    if (const int girdle = take_girdle(word); girdle != 0) (girdle > 0 ? out.fore : out.hind) = true;
     if (is_control_word(word)) {
       control = true;
       continue;

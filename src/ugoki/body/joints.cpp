@@ -194,4 +194,27 @@ void find_coordinates(const Joint& joint, const Mat3& R_PB, const double* previo
   }
 }
 
+std::optional<MeasuredMotion> with_measured_offsets(const MeasuredMotion& motion) {
+  constexpr double held = 0.01, far = 0.1;  // shares of the distance from the offset, and of the extent of the skeleton
+  if (motion.frames < 2) return std::nullopt;
+  std::vector<Pose> X;
+  motion.calc_joint_poses(0, X);
+  double extent = 0;
+  for (const Pose& x : X) extent = std::max(extent, norm(x.p - X[0].p));
+  std::optional<MeasuredMotion> out;
+  for (int i = 0; i < motion.joint_count(); ++i) {
+    const SkeletonJoint& joint = motion.skeleton.joints[at(i)];
+    if (joint.parent < 0) continue;
+    const Vec3 first = translation(motion, 0, i);
+    const double apart = norm(first - joint.offset);
+    if (apart <= far * extent || norm(joint.offset) <= far * extent) continue;
+    double shift = 0;
+    for (int f = 1; f < motion.frames; ++f) shift = std::max(shift, norm(translation(motion, f, i) - first));
+    if (shift > held * apart) continue;
+    if (!out) out = motion;
+    out->skeleton.joints[at(i)].offset = first;
+  }
+  return out;
+}
+
 }  // namespace ugoki::body

@@ -1,6 +1,7 @@
 #pragma once
 // Joint of each link: type from the measured DOFs and motion, limits, passive properties. Internal to body.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,11 @@ void find_coordinates(const Joint& joint, const Mat3& R_PB, const double* previo
 /// Sets limits (the file's, otherwise human ranges), damping, stiffness, armature and effort of a movable joint from its body part.
 /// @param source the skeleton's joint `i` @param mass kg, of the whole body
 void set_joint_properties(Joint& joint, const Anatomy& anatomy, const SkeletonJoint& source, int i, double mass);
+
+/// The motion with the offsets of its skeleton corrected where they contradict its frames: a joint with a bone to its parent that all
+/// frames hold at one place of the parent, far from its offset, gets that place as its offset. (The rest pose of a skin can have ends of
+/// bones elsewhere than the motion. A joint at its parent has no bone, as the footsteps of 3ds Max under the hips.)
+/// @return nothing if no offset changes
+[[nodiscard]] std::optional<MeasuredMotion> with_measured_offsets(const MeasuredMotion& motion);
 
 }  // namespace ugoki::body

@@ -50,6 +50,11 @@ std::vector<std::string> attach_fore_limbs_to_spine(std::span<MeasuredMotion> mo
 /// @return sentence about the cut; empty if there is no jump
 [[nodiscard]] std::string cut_at_jumps(const body::Character& character, MeasuredMotion& motion);
 
+/// Cuts a motion at poses that the file holds exactly, for at least 0.25 s, between frames in which the character moves fast (gaps between
+/// the recordings in files of motion libraries), and keeps the longest part. A character that comes to rest is left alone.
+/// @return a sentence about it; empty if there is no such pose
+[[nodiscard]] std::string cut_at_holds(const body::Character& character, MeasuredMotion& motion);
+
 /// Cuts a recording to its longest part in which the markers do not jump together (a calibration pose before the motion).
 /// @return sentence about the cut; empty if there is no jump
 [[nodiscard]] std::string cut_markers_at_jumps(MarkerMotion& markers);

@@ -251,8 +251,9 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   if (take) motions = {std::move(motions[*take])};
   std::vector<std::string> checks;
   for (MeasuredMotion& m : motions)
-    if (std::string sentence = cut_at_jumps(character, m); !sentence.empty())
-      notes.remarks.push_back((motions.size() > 1 ? m.name + ": " : "") + sentence);
+    for (const auto cut : {cut_at_jumps, cut_at_holds})
+      if (std::string sentence = cut(character, m); !sentence.empty())
+        notes.remarks.push_back((motions.size() > 1 ? m.name + ": " : "") + sentence);
   std::vector<char> on_belt(motions.size(), 0);
   for (std::size_t i = 0; i < motions.size(); ++i) {
     MeasuredMotion& m = motions[i];

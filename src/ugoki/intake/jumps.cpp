@@ -1,6 +1,7 @@
-// Cuts recordings at jumps from one frame to the next, and keeps the longest part.
+// Cuts recordings at jumps from one frame to the next and at held poses in mid-motion, and keeps the longest part.
 
 #include <algorithm>
+#include <cmath>
 
 #include "ugoki/base/number.h"
 #include "ugoki/intake/arrange.h"
@@ -38,6 +39,52 @@ Cut find_cut(const std::vector<double>& step, double min_jump, std::size_t ignor
     }
   return out;
 }
+
+/// A held pose: nothing moves in the steps from ... to - 1, although the character moves fast in the step before or after them.
+struct Hold {
+  int from, to;
+};
+/// @param fastest, mean [frames - 1] m, maximum and mean over the joints of the way from frame f to f + 1  @param leg m  @param rate 1/s
+std::vector<Hold> find_holds(const std::vector<double>& fastest, const std::vector<double>& mean, double leg, double rate) {
+  // Measured bodies are never exactly still, and nobody stops from 1 m/s (for a leg of 0.85 m; Froude) within a frame.
+  constexpr double shortest = 0.25, still = 1e-5, fast = 0.35, gravity = 9.81;  // s, share of the leg, Froude number of the speed, m/s^2
+  const int n = static_cast<int>(fastest.size());
+  const double moving = fast * std::sqrt(gravity * leg) / rate;
+  std::vector<Hold> out;
+  for (int f = 0; f < n; ++f) {
+    if (fastest[at(f)] > still * leg) continue;
+    const int from = f;
+    while (f < n && fastest[at(f)] <= still * leg) ++f;
+    const bool cut_off = (from > 0 && mean[at(from - 1)] > moving) || (f < n && mean[at(f)] > moving);
+    if ((f - from) / rate >= shortest && cut_off) out.push_back({from, f});
+  }
+  return out;
+}
+
+/// The longest part of `n` frames between the holds. A held pose is the last frame of the part before it: the next one can begin anywhere.
+Cut longest_between(const std::vector<Hold>& holds, int n) {
+  Cut out;
+  out.jumps = static_cast<int>(holds.size());
+  out.first = holds.front().from;
+  int begin = 0;
+  for (std::size_t k = 0; k <= holds.size(); ++k) {
+    const int end = k < holds.size() ? holds[k].from + 1 : n;
+    if (end - begin > out.to - out.from) {
+      out.from = begin;
+      out.to = end;
+    }
+    if (k < holds.size()) begin = holds[k].to + 1;
+  }
+  return out;
+}
+
+void keep_frames(MeasuredMotion& motion, int from, int to) {
+  const auto n = static_cast<std::ptrdiff_t>(motion.skeleton.joints.size());
+  motion.translations = {motion.translations.begin() + from * n, motion.translations.begin() + to * n};
+  motion.rotations = {motion.rotations.begin() + from * n, motion.rotations.begin() + to * n};
+  motion.frames = to - from;
+}
+
 std::string words_of(const Cut& cut, double rate) {
   return std::to_string(cut.jumps) + (cut.jumps == 1 ? " time" : " times") + ", first at " + to_fixed(cut.first / rate, 2) +
          " s); the motion was cut to the longest part without a jump, frames " + std::to_string(cut.from + 1) + " to " +
@@ -59,14 +106,42 @@ std::string cut_at_jumps(const body::Character& character, MeasuredMotion& motio
   // A person does not move by a third of a leg in a frame beyond three times its usual way.
   const Cut cut = find_cut(step, 0.35 * character.leg_length, 1);
   if (cut.jumps == 0) return {};
-  const int from = cut.from, to = cut.to;
-  const auto n = static_cast<std::ptrdiff_t>(motion.skeleton.joints.size());
-  motion.translations = {motion.translations.begin() + from * n, motion.translations.begin() + to * n};
-  motion.rotations = {motion.rotations.begin() + from * n, motion.rotations.begin() + to * n};
   const int frames = motion.frames;
-  motion.frames = to - from;
+  keep_frames(motion, cut.from, cut.to);
   return "The character jumps to another place from one frame to the next (" + words_of(cut, motion.rate) + " of " +
          std::to_string(frames) + ", and the others are left out.";
+}
+
+std::string cut_at_holds(const body::Character& character, MeasuredMotion& motion) {
+  if (character.plan == body::BodyPlan::other || !(character.leg_length > 0) || motion.frames < 20) return {};
+  std::vector<double> fastest, mean;
+  std::vector<Pose> X, before;
+  for (int f = 0; f < motion.frames; ++f) {
+    motion.calc_joint_poses(f, X);
+    double max_way = 0, sum = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const double way = norm(X[i].p - before[i].p);
+      max_way = std::max(max_way, way);
+      sum += way;
+    }
+    if (f > 0) {
+      fastest.push_back(max_way);
+      mean.push_back(sum / static_cast<double>(X.size()));
+    }
+    before = X;
+  }
+  const std::vector<Hold> holds = find_holds(fastest, mean, character.leg_length, motion.rate);
+  if (holds.empty()) return {};
+  const Cut cut = longest_between(holds, motion.frames);
+  int held = 0;
+  for (const Hold& h : holds) held += h.to - h.from;
+  const int frames = motion.frames;
+  keep_frames(motion, cut.from, cut.to);
+  return "The file holds a pose of the moving character exactly for " + to_fixed(held / motion.rate, 2) + " s (first at " +
+         to_fixed(cut.first / motion.rate, 2) +
+         " s), as in a gap between two recordings; the motion was cut to the longest part without it, frames " +
+         std::to_string(cut.from + 1) + " to " + std::to_string(cut.to) + " of " + std::to_string(frames) +
+         ", and the others are left out.";
 }
 
 std::string cut_markers_at_jumps(MarkerMotion& markers) {

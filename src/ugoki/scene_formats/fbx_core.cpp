@@ -34,6 +34,7 @@ struct Object {
   std::vector<std::int64_t> times;  ///< [keys] of a curve, strictly increasing, 1/46186158000 s
   std::vector<float> values;        ///< [keys] of a curve
   bool kept = true;                 ///< false: the object is not written
+  bool spanned = true;              ///< of a stack: its span of time is written
 };
 
 /// Returns the kind of an object; std::nullopt if the skeleton does not need the object.
@@ -71,7 +72,7 @@ class Core {
     if (bytes.starts_with("; FBX 6.") || bytes.starts_with("; FBX 5.")) return refuse_version("6100 or earlier");
     if (Result<void> done = file_.load(bytes); !done) return fail(std::move(done.error()));
     if (file_.version() < 7100) return refuse_version(std::to_string(file_.version()));
-    for (const auto step : {&Core::collect_objects, &Core::collect_connections, &Core::check_tree, &Core::check_turns})
+    for (const auto step : {&Core::collect_objects, &Core::collect_connections, &Core::check_tree, &Core::check_turns, &Core::check_spans})
       if (Result<void> done = (this->*step)(); !done) return fail(std::move(done.error()));
     if (mesh_ends) *mesh_ends = fbx_mesh_ends(file_, skin_parts(), rigid_meshes());
     write();
@@ -235,6 +236,37 @@ class Core {
     return {};
   }
 
+  /// Leaves out the spans of stacks (LocalStart to LocalStop) that contain no key of some of their animated properties. assimp reads only
+  /// the keys in the span, and stops the process if a property has none. Without a span, the stack lasts from its first to its last key.
+  Result<void> check_spans() {
+    constexpr std::int64_t tolerance = 10'000;  // of assimp around the span
+    std::map<std::int64_t, std::int64_t> stack_of, layer_of;
+    for (const Connection& c : connections_) {
+      const Kind from = objects_.at(c.from).kind;
+      if (from == Kind::layer) stack_of[c.from] = c.to;
+      if (from == Kind::curve_node && c.property.empty()) layer_of[c.from] = c.to;
+    }
+    for (const Connection& c : connections_) {
+      const Object& curve = objects_.at(c.from);
+      const auto layer = layer_of.find(c.to);
+      const auto stack = layer == layer_of.end() ? stack_of.end() : stack_of.find(layer->second);
+      if (curve.kind != Kind::curve || stack == stack_of.end()) continue;
+      Object& owner = objects_.at(stack->second);
+      const std::int64_t start = time_of(*owner.record, "LocalStart"), stop = time_of(*owner.record, "LocalStop");
+      if (start == 0 && stop == 0) continue;  // no span
+      const auto first = std::ranges::lower_bound(curve.times, start - tolerance);
+      if (first == curve.times.end() || *first > stop + tolerance) owner.spanned = false;
+    }
+    return {};
+  }
+  /// A time in the properties of a stack, 1/46186158000 s; 0 if it does not exist.
+  static std::int64_t time_of(const FbxRecord& stack, std::string_view name) {
+    if (const FbxRecord* all = stack.child("Properties70"))
+      for (const FbxRecord& p : all->children)
+        if (p.text(0) == name && p.text(1) == "KTime" && p.values.size() > 4) return p.values[4].whole;
+    return 0;
+  }
+
   void write() {
     out_.begin("FBXHeaderExtension");
     out_.begin("FBXVersion");
@@ -308,7 +340,9 @@ class Core {
       case Kind::model: write_properties(*object.record, model_properties); break;
       case Kind::mesh: write_triangle(); break;
       case Kind::cluster: write_cluster(); break;
-      case Kind::stack: write_properties(*object.record, Names{"LocalStart", "LocalStop", "ReferenceStart", "ReferenceStop"}); break;
+      case Kind::stack:
+        if (object.spanned) write_properties(*object.record, Names{"LocalStart", "LocalStop", "ReferenceStart", "ReferenceStop"});
+        break;
       case Kind::curve_node: write_properties(*object.record, Names{"d", "d|X", "d|Y", "d|Z"}); break;
       case Kind::curve:
         write_array("KeyTime", 'l', object.times);

@@ -109,7 +109,8 @@ std::string answer_of(std::span<const std::byte> bytes, std::string_view file_na
   if (const auto motions = read_scene_unguarded(bytes, file_name, options, notes, &places); !motions) return refused(motions.error());
   Assimp::Importer importer;
   set_importer(importer);
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);  // assimp draws skeletons of files without meshes
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);    // assimp draws skeletons of files without meshes
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);  // the motions are read from the checked file (fbx_core.h)
   const std::string_view ending = file_name.substr(std::min(file_name.size(), file_name.rfind('.') + 1));
   const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices,
                                                      formats::equal_ignoring_case(ending, "fbx") ? "fbx" : "dae");
