@@ -64,6 +64,7 @@ std::vector<std::pair<std::string, double*>> parameters(control::BalanceOptions&
           {"hover", &o.hover},
           {"max-hover", &o.max_hover},
           {"hover-weight", &o.hover_weight},
+          {"press-margin", &o.press_margin},
           {"hover-time", &o.hover_time},
           {"hover-speed", &o.hover_speed},
           {"friction-margin", &o.friction_margin},

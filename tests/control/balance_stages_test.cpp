@@ -106,7 +106,7 @@ TEST(GroundSupport, PointsOfATurningFootSlideAboutOnePoint) {
     dynamics::update_kinematics(*s.m, s.state.q, s.state.v, model.now);
     model.sample_reference(state);
     support.collect(model, {s.state.q, s.state.v, s.contacts, 0, 0.002});
-    support.find_bearing(model, state);
+    support.find_bearing(model, state, {});
     return support.bearing();
   };
   for (const BearingPoint& b : points(0.5)) EXPECT_EQ(norm(b.slide), 0);

@@ -76,17 +76,26 @@ struct Stand {
   }
 };
 
-FeasibleCentre find_centre(const Stand& s, const Carried& motion, const BalanceOptions& options) {
-  const Mechanism& m = *s.w.body.mechanism;
-  return {m, s.feet, FootSchedule(m, s.feet, motion, 0), motion, options, 0};
-}
+/// The sample human, moved with an amplitude [m], and its feasible centre of mass. The correction of the pressure has no bound.
+struct MovedStand {
+  BalanceOptions options = [] {
+    BalanceOptions o;
+    o.pressure_reach = 1;
+    return o;
+  }();
+  Stand stand{options.sole_share};
+  Carried motion;
+  FeasibleCentre centre;
+  explicit MovedStand(double amplitude)
+      : motion(stand.w, amplitude),
+        centre(*stand.w.body.mechanism, stand.feet, FootSchedule(*stand.w.body.mechanism, stand.feet, motion, 0), motion, options, 0) {}
+};
 
 TEST(FeasibleCentre, IsTheConvolutionOfTheMissingPressureWithThatOfAPendulum) {
-  BalanceOptions options;
-  options.pressure_reach = 1;
-  const Stand s(options.sole_share);
-  const Carried motion(s.w, 0.02);
-  const FeasibleCentre centre = find_centre(s, motion, options);
+  const MovedStand moved(0.02);
+  const Stand& s = moved.stand;
+  const Carried& motion = moved.motion;
+  const FeasibleCentre& centre = moved.centre;
   const double w2 = gravity / s.height, w = std::sqrt(w2), h = 1e-3;
   const auto missing = [&](double t) {
     const double p = -motion.acceleration(t) / w2;
@@ -104,11 +113,10 @@ TEST(FeasibleCentre, IsTheConvolutionOfTheMissingPressureWithThatOfAPendulum) {
 }
 
 TEST(FeasibleCentre, PressureOfTheDisplacedCentreIsOnTheSoles) {
-  BalanceOptions options;
-  options.pressure_reach = 1;
-  const Stand s(options.sole_share);
-  const Carried motion(s.w, 0.02);
-  const FeasibleCentre centre = find_centre(s, motion, options);
+  const MovedStand moved(0.02);
+  const Stand& s = moved.stand;
+  const Carried& motion = moved.motion;
+  const FeasibleCentre& centre = moved.centre;
   constexpr double h = 1.0 / 60;  // s: two frames
   double before = 0;
   for (double t = 0.5; t < 3; t += 0.01) {
@@ -126,9 +134,7 @@ TEST(FeasibleCentre, PressureOfTheDisplacedCentreIsOnTheSoles) {
 }
 
 TEST(FeasibleCentre, IsThatOfTheReferenceIfItsPressureIsOnTheSoles) {
-  const BalanceOptions options;
-  const Stand s(options.sole_share);
-  const FeasibleCentre centre = find_centre(s, Carried(s.w, 0.001), options);
+  const FeasibleCentre centre = MovedStand(0.001).centre;
   for (double t = 0; t < 5; t += 0.1) EXPECT_EQ(norm(centre.at(t).position) + norm(centre.at(t).acceleration), 0) << t;
 }
 
@@ -183,10 +189,11 @@ TEST(ReferenceAnchor, DcmIsAheadOfAnAnchorThatMovesEvenly) {
   EXPECT_EQ(norm(anchor.ahead(w0)), 0) << "the anchor stays at a single foot";
 }
 
-TEST(GroundSupport, AHeelThatHoversOnLevelGroundIsPressedDownUnlessTheReferenceLiftsIt) {
+TEST(GroundSupport, AHeelThatHoversOnLevelGroundIsPressedDownIfThePressureHasToBeThereAndTheReferenceDoesNotLiftIt) {
   const Walker w;
   const Mechanism& m = *w.body.mechanism;
-  const auto pressed_heels = [&](double angle_of_reference) {
+  // @param pressure m: place of the wanted pressure behind the foremost point of the feet
+  const auto pressed_heels = [&](double angle_of_reference, double pressure) {
     BalanceModel model(w.body.mechanism, std::make_shared<const Carried>(w, 0), {}, 0);
     BalanceState state;
     state.started = state.feet[0].stands = state.feet[1].stands = 1;
@@ -229,13 +236,19 @@ TEST(GroundSupport, AHeelThatHoversOnLevelGroundIsPressedDownUnlessTheReferenceL
         contacts.push_back(c);
       }
     EXPECT_FALSE(contacts.empty());
+    double toe = -1e9;
+    for (const collision::ContactPoint& c : contacts) toe = std::max(toe, c.p.x);
     GroundSupport support(model);
     support.collect(model, {q, model.v_ref, contacts, 0, 0.002});
-    support.find_bearing(model, state);
-    return support.hovering().size();
+    support.find_bearing(model, state, {toe - pressure, 0, 0});
+    return std::pair{support.hovering().size(), support.bearing().size()};
   };
-  EXPECT_GT(pressed_heels(0), 0u);
-  EXPECT_EQ(pressed_heels(0.03), 0u);
+  constexpr double behind = 0.1, ahead = -0.05;  // m
+  EXPECT_GT(pressed_heels(0, behind).first, 0u);
+  EXPECT_EQ(pressed_heels(0.03, behind).first, 0u);
+  // A heel that was pressed down now would move the pressure back from the toes, where it has to be.
+  EXPECT_EQ(pressed_heels(0, ahead).first, 0u);
+  EXPECT_GE(pressed_heels(0, ahead).second, pressed_heels(0, behind).second) << "all points go on bearing load";
 }
 
 }  // namespace

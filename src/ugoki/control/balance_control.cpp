@@ -71,7 +71,6 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
   ground_.update(model_, support_, in.dt, state);
   model_.sample_reference(state);
   hang_.edit_reference(model_, in, state);
-  support_.find_bearing(model_, state);
 
   // 3. Centre of mass
   const double w0 = std::sqrt(norm(o.gravity) / std::max(0.05, model_.want.centre.z - model_.floor - state.z));
@@ -85,12 +84,16 @@ BalanceOutput BalanceControl::step(const BalanceInput& in, BalanceState& state, 
   out.dcm_error = horizontal(e + e_rate / w0);
   if (airborne) out.dcm_error = {};
 
+  Vec3 acceleration = model_.want_rate.v / model_.mass() - e * (w0 * o.com_gain) - e_rate * (w0 + o.com_gain);
+  acceleration.z = model_.want_rate.v.z / model_.mass() - e.z * o.height_frequency * o.height_frequency - e_rate.z * 2 * o.height_frequency;
+  const double load = std::max(0.2 * norm(o.gravity), norm(o.gravity) + acceleration.z);
+  const Vec3 pressure = horizontal(model_.centroid.centre - acceleration * ((model_.centroid.centre.z - model_.floor - state.z) / load));
+  support_.find_bearing(model_, state, pressure);
+
   // 4., 5. Steps
   if (!airborne) planner_.start_reaction(model_, support_, in.dt, state);
   const Vec3 lean = airborne ? Vec3{} : planner_.update_shifts(model_, support_, in.dt, out.dcm_error, state);
-
-  Vec3 acceleration = model_.want_rate.v / model_.mass() - (e - lean) * (w0 * o.com_gain) - e_rate * (w0 + o.com_gain);
-  acceleration.z = model_.want_rate.v.z / model_.mass() - e.z * o.height_frequency * o.height_frequency - e_rate.z * 2 * o.height_frequency;
+  acceleration += horizontal(lean) * (w0 * o.com_gain);
 
   if (static_cast<HangMode>(state.hang) == HangMode::lands) acceleration.z = std::min(acceleration.z, o.landing_brake * norm(o.gravity));
   out.hang = static_cast<HangMode>(state.hang);

@@ -36,6 +36,8 @@ struct BalanceOptions {
   double exact =
       2e-3;  ///< m: on level ground, points of a sole that the reference has higher than this above its lowest point are not pressed down
   double hover_weight = 3000;  ///< weight of the tasks that press them down; the posture of the ankle holds a heel up with a smaller weight
+  double press_margin = 0.02;  ///< m: on level ground, points of a measured sole are pressed down only if the wanted pressure is closer
+                               ///< than this to the edge over which the foot tips, or behind it
   double hover_time = 0.04, hover_speed = 0.5;  ///< s, m/s: they move down at height / time, and not faster than this
   double lifting = 0.15;          ///< m/s: no load on a point that, in the reference, rises this much faster than the foot's slowest point
   double lifted = 0.01;           ///< m: no load on a rising point that, in the reference, is this much higher than the foot's lowest point

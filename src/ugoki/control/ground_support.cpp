@@ -36,7 +36,7 @@ void GroundSupport::collect(const BalanceModel& model, const BalanceInput& in) {
   }
 }
 
-void GroundSupport::find_bearing(const BalanceModel& model, const BalanceState& state) {
+void GroundSupport::find_bearing(const BalanceModel& model, const BalanceState& state, const Vec3& pressure) {
   bearing_.clear();
   hovering_.clear();
   for (const FootContact& c : contacts_) {
@@ -60,11 +60,11 @@ void GroundSupport::find_bearing(const BalanceModel& model, const BalanceState& 
     if (model.schedule.turns(f, state.time))
       find_turn(model, f);
     else if (state.feet[f].stands)
-      find_hovering(model, state, f);
+      find_hovering(model, state, pressure, f);
   }
 }
 
-void GroundSupport::find_hovering(const BalanceModel& model, const BalanceState& state, std::size_t f) {
+void GroundSupport::find_hovering(const BalanceModel& model, const BalanceState& state, const Vec3& pressure, std::size_t f) {
   const BalanceOptions& o = model.options;
   constexpr double edge = 0.01;   // m: bearing points that are this close to the edge stay
   constexpr double level = 3e-3;  // m: on ground that is level within this height, soles keep the tilt of the reference
@@ -103,8 +103,8 @@ void GroundSupport::find_hovering(const BalanceModel& model, const BalanceState&
     if (gap < hover || gap > o.max_hover) continue;
     hovering_.push_back({static_cast<int>(f), point.link, p, gap, wanted.z - lowest});
   }
-  if (highest_ground - lowest_ground < level)
-    std::erase_if(hovering_, [&](const HoveringPoint& h) { return h.foot == static_cast<int>(f) && h.raised > o.exact; });
+  const bool even = highest_ground - lowest_ground < level;
+  if (even) std::erase_if(hovering_, [&](const HoveringPoint& h) { return h.foot == static_cast<int>(f) && h.raised > o.exact; });
   if (hovering_.size() == first) return;
   Vec3 middle;
   for (std::size_t k = first; k < hovering_.size(); ++k) middle += hovering_[k].p;
@@ -119,7 +119,8 @@ void GroundSupport::find_hovering(const BalanceModel& model, const BalanceState&
   for (const BearingPoint& b : bearing_)
     if (b.foot == static_cast<int>(f)) max_along = std::max(max_along, dot(b.p, way));
   // A foot that bears on both sides of the hovering points does not tip.
-  if (dot(middle, way) < max_along) {
+  // A measured sole on level ground is pressed down only if its pressure has to be at the end that hovers.
+  if (dot(middle, way) < max_along || (even && !exact && dot(pressure, way) < max_along - o.press_margin)) {
     hovering_.resize(first);
     return;
   }

@@ -56,7 +56,8 @@ class GroundSupport {
   };
   [[nodiscard]] Ground ground_under(const BalanceModel& model, std::size_t foot) const;
   /// Finds the points that bear load: close to the ground, on a foot that stands, and not lifted by the reference.
-  void find_bearing(const BalanceModel& model, const BalanceState& state);
+  /// @param pressure m, world: wanted centre of pressure of the character, horizontal
+  void find_bearing(const BalanceModel& model, const BalanceState& state, const Vec3& pressure);
   [[nodiscard]] const std::vector<BearingPoint>& bearing() const { return bearing_; }
   /// Points that the controller presses to the ground: the foot tips over an edge until its whole sole bears load.
   [[nodiscard]] const std::vector<HoveringPoint>& hovering() const { return hovering_; }
@@ -71,7 +72,7 @@ class GroundSupport {
   void find_turn(const BalanceModel& model, std::size_t foot);
 
   /// Finds the hovering points of a standing foot, and removes its bearing points that are not at the edge over which it has to tip.
-  void find_hovering(const BalanceModel& model, const BalanceState& state, std::size_t foot);
+  void find_hovering(const BalanceModel& model, const BalanceState& state, const Vec3& pressure, std::size_t foot);
 
   static constexpr double min_rise = 0.5;      // minimum z of a normal: a surface steeper than 60 degrees does not support a foot
   static constexpr double near_ground = 0.01;  // m: points closer than this span the support area
