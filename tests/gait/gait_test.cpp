@@ -362,6 +362,13 @@ TEST(Gait, SixLegsSurviveWithoutAssist) {
   }
 }
 
+// While two or three feet stand, the next one has not landed yet, and its place is not known.
+TEST(Gait, DogWalkSurvivesWithoutAssist) {
+  GaitOptions o;
+  o.stages = {{0, GaitKind::walk, 0.9, 0}};
+  EXPECT_LT(tracking_error(dog(), o, 6), 6);
+}
+
 TEST(Gait, DogTrotSurvivesWithoutAssist) {
   GaitOptions o;
   o.stages = {{0, GaitKind::trot, 1.8, 0}};

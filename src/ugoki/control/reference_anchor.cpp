@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "ugoki/motion/clip.h"
 #include "ugoki/spatial/elementary.h"
@@ -33,8 +34,12 @@ void ReferenceAnchor::update(const BalanceModel& model, double dt, BalanceState&
   Weights weights{};
   double sum = 0;
   moves_.count = 0;
+  moves_.landing = std::numeric_limits<double>::infinity();
   for (std::size_t f = 0; f < model.feet.size(); ++f) {
-    if (!state.feet[f].stands) continue;
+    if (!state.feet[f].stands) {
+      moves_.landing = std::min(moves_.landing, std::max(0.0, model.schedule.at(f, state.time).end - state.time));
+      continue;
+    }
     const ScheduledFoot planned = model.schedule.at(f, state.time);
     const double since = planned.stands ? state.time - planned.begin : 0, until = planned.stands ? planned.end - state.time : 1e300;
     weights[f] = std::max(std::min({since, until, model.options.max_transfer}), 1e-6);
@@ -94,7 +99,7 @@ Vec3 ReferenceAnchor::ahead(double w0) const {
       place += foot.offset * weight;
       total += weight;
     }
-    if (k > 0 && total < 1e-4) break;  // all feet lift
+    if (k > 0 && (total < 1e-4 || s > moves_.landing)) break;  // all feet lift, or another foot carries load, whose offset is not known yet
     place = place / total;
     if (k > 0) {
       sum += (place - before) * factor;

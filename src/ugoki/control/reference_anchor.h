@@ -28,6 +28,7 @@ class ReferenceAnchor {
   struct Moves {
     std::array<Move, BalanceState::max_feet> feet;
     std::size_t count = 0;
+    double landing = 0;              // s of the reference: until the next foot lands
     double rate = 1, max_share = 0;  // of the reference's time; s
   };
   Moves moves_;
