@@ -366,7 +366,7 @@ TEST(Gait, SixLegsSurviveWithoutAssist) {
 TEST(Gait, DogWalkSurvivesWithoutAssist) {
   GaitOptions o;
   o.stages = {{0, GaitKind::walk, 0.9, 0}};
-  EXPECT_LT(tracking_error(dog(), o, 6), 6);
+  EXPECT_LT(tracking_error(dog(), o, 2.5), 6);
 }
 
 TEST(Gait, DogTrotSurvivesWithoutAssist) {
