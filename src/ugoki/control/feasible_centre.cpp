@@ -56,7 +56,7 @@ FeasibleCentre::FeasibleCentre(const Mechanism& m, std::span<const Foot> feet, c
     const Vec3 moment = Vec3{force.w.y, -force.w.x, 0} / c.mass;
     const Vec3 pressure = horizontal(c.centre) - (horizontal(force.v) * (height / c.mass) + moment) / load;
     Vec3 closest;
-    if (distance_to_edge(area, pressure, closest) >= 0) closest = pressure;
+    distance_to_edge(area, pressure, closest);
     stiffness[idx(f)] = load / height;
     missing[idx(f)] = closest - pressure;
     const double distance = norm(missing[idx(f)]), reach = options.pressure_reach * height;
