@@ -423,7 +423,9 @@ TEST(Scene, NodesBelowABoneThatTurnAreJointsWithoutWeights) {
 
 // A stack whose span of time is elsewhere than its keys: the library stops the process at a property without a key in the span.
 TEST(Scene, AnFbxStackWithoutKeysInItsSpanLastsFromItsFirstToItsLastKey) {
-  for (const auto& [start, stop] : {std::pair(92372316000, 138558474000), std::pair(-92372316000, -46186158000)}) {
+  constexpr std::int64_t least = std::numeric_limits<std::int64_t>::min();
+  for (const auto& [start, stop] :
+       {std::pair<std::int64_t, std::int64_t>(92372316000, 138558474000), {-92372316000, -46186158000}, {least, least + 1}}) {
     const std::string span =
         "  AnimationStack: 20, \"AnimStack::walk\", \"\" {\n    Properties70:  {\n      P: \"LocalStart\", \"KTime\", \"Time\", \"\"," +
         std::to_string(start) + "\n      P: \"LocalStop\", \"KTime\", \"Time\", \"\"," + std::to_string(stop) + "\n    }\n";

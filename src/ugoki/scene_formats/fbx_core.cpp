@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -259,11 +260,12 @@ class Core {
     }
     return {};
   }
-  /// A time in the properties of a stack, 1/46186158000 s; 0 if it does not exist.
+  /// A time in the properties of a stack, 1/46186158000 s, at most a third of the largest number; 0 if it does not exist.
   static std::int64_t time_of(const FbxRecord& stack, std::string_view name) {
+    constexpr std::int64_t largest = std::numeric_limits<std::int64_t>::max() / 3;
     if (const FbxRecord* all = stack.child("Properties70"))
       for (const FbxRecord& p : all->children)
-        if (p.text(0) == name && p.text(1) == "KTime" && p.values.size() > 4) return p.values[4].whole;
+        if (p.text(0) == name && p.text(1) == "KTime" && p.values.size() > 4) return std::clamp(p.values[4].whole, -largest, largest);
     return 0;
   }
 
