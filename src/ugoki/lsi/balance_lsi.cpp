@@ -107,7 +107,11 @@ void prepare_return(Balance& self, double time) {
   const Character& c = *self.character;
   const control::GetUpPlan* plan = self.fall->make_plan();
   self.way_back = std::make_shared<const control::ReturnMotion>(c.mechanism, self.track, *plan, time, self.floor);
-  self.returning.emplace(c.mechanism, self.way_back, self.options, self.floor, control::GroundMap(self.systems, c.index, self.ground));
+  // A character that has just risen stands on its toes; it can stop only when its heels bear load, so they are pressed down wherever its
+  // pressure is.
+  control::BalanceOptions options = self.options;
+  options.press_margin = std::numeric_limits<double>::infinity();
+  self.returning.emplace(c.mechanism, self.way_back, options, self.floor, control::GroundMap(self.systems, c.index, self.ground));
   self.return_time = time;
 }
 
