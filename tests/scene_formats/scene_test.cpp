@@ -423,9 +423,9 @@ TEST(Scene, NodesBelowABoneThatTurnAreJointsWithoutWeights) {
 
 // A stack whose span of time is elsewhere than its keys: the library stops the process at a property without a key in the span.
 TEST(Scene, AnFbxStackWithoutKeysInItsSpanLastsFromItsFirstToItsLastKey) {
-  constexpr std::int64_t least = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t min_time = std::numeric_limits<std::int64_t>::min();
   for (const auto& [start, stop] :
-       {std::pair<std::int64_t, std::int64_t>(92372316000, 138558474000), {-92372316000, -46186158000}, {least, least + 1}}) {
+       {std::pair<std::int64_t, std::int64_t>(92372316000, 138558474000), {-92372316000, -46186158000}, {min_time, min_time + 1}}) {
     const std::string span =
         "  AnimationStack: 20, \"AnimStack::walk\", \"\" {\n    Properties70:  {\n      P: \"LocalStart\", \"KTime\", \"Time\", \"\"," +
         std::to_string(start) + "\n      P: \"LocalStop\", \"KTime\", \"Time\", \"\"," + std::to_string(stop) + "\n    }\n";
