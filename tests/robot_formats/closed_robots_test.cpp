@@ -87,7 +87,7 @@ double condition_of(const Mechanism& m, const dynamics::ClosedWorkspace& cw, dyn
       calc_loop_jacobian_row(m, ws, cw.loops[i], rows, static_cast<int>(i), r, {J.row(J.rows() - 1).data(), static_cast<std::size_t>(n)});
     }
   calc_inertia_matrix(m, ws, {M.data(), static_cast<std::size_t>(n * n)});
-  // A = B^T B with B = L^-1 J^T and M = L L^T: the condition number of A is the square of that of B.
+  // With the Cholesky factor L of M (M = L L^T) and B = L^-1 J^T, A is B^T B. Its condition number is therefore the square of that of B.
   const Eigen::MatrixXd B = Eigen::LLT<Eigen::MatrixXd>(M).matrixL().solve(Eigen::MatrixXd(J.transpose()));
   const Eigen::VectorXd values = Eigen::JacobiSVD<Eigen::MatrixXd>(B).singularValues();
   return std::pow(values(0) / values(values.size() - 1), 2);
