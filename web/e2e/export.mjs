@@ -253,10 +253,11 @@ await test('inputs recorded in the page repeat the run in `ugoki run`', async ()
 
 /** Starts the content again, so slowly that a character can be hit, and waits until the page shows its beginning and the view rests. @param tool null: as it is. @return position of a character on the page, px */
 async function find_character(p, index, tool = null) {
-  await p.evaluate((t) => {
+  await p.evaluate(async (t) => {
     const player = document.querySelector('ugoki-player');
     if (t) player.tool = t;
     player.pause();
+    await player.schedule([]); // the inputs of an earlier run would push and grab beside the mouse
     player.reset();
     player.follow(null);
     player.speed = 0.05;
@@ -301,11 +302,6 @@ await test('a drag pulls a character with the tool pull, and pushes it with the 
     const types = await recorded_types(page, wanted);
     expect(wanted(types), `${tool}: ${types}`);
   }
-  await page.evaluate(() => {
-    const player = document.querySelector('ugoki-player');
-    player.pause();
-    player.speed = 1;
-  });
 });
 
 await test('a drag on the background turns the view, and the wheel zooms', async () => {
@@ -323,7 +319,12 @@ await test('a drag on the background turns the view, and the wheel zooms', async
 
 await test('Space, R and the buttons play, pause and restart', async () => {
   const state = () => page.evaluate(() => ({ paused: document.querySelector('ugoki-player').paused, time: document.querySelector('ugoki-player').time }));
-  await page.evaluate(() => document.querySelector('ugoki-player').shadowRoot.querySelector('canvas').focus());
+  await page.evaluate(() => {
+    const player = document.querySelector('ugoki-player');
+    player.pause();
+    player.speed = 1;
+    player.shadowRoot.querySelector('canvas').focus();
+  });
   await page.keyboard.press('KeyR');
   expect((await state()).time === 0, 'R did not restart');
   await page.keyboard.press('Space');
