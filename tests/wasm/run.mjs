@@ -135,6 +135,34 @@ for (const name of new Set(golden.map((line) => line.name))) {
 }
 rmSync(goldenFolder, { recursive: true });
 
+test("converts pictures to the levels of ITU-R BT.709 in limited range", () => {
+  const module = new WebAssembly.Module(readFileSync(join(wasmFolder, "ugoki_planar.wasm")));
+  const { memory, ugoki_planar } = new WebAssembly.Instance(module).exports;
+  const [width, height] = [38, 6]; // no multiple of the number of pixels that are converted at once
+  const count = width * height;
+  const rgba = memory.buffer.byteLength;
+  memory.grow(1);
+  const pixels = new Uint8Array(memory.buffer, rgba, 4 * count);
+  for (let i = 0, random = 1; i < pixels.length; ++i) {
+    random = (Math.imul(random, 1664525) + 1013904223) >>> 0;
+    pixels[i] = [0, 255, random >>> 24][(random >>> 16) % 3];
+  }
+  ugoki_planar(rgba, width, height, rgba + 4 * count);
+  const out = new Uint8Array(memory.buffer, rgba + 4 * count, (3 * count) / 2);
+  const color = (x, y) => [0, 1, 2].map((k) => pixels[4 * ((height - 1 - y) * width + x) + k] / 255);
+  const luma = ([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  const check = (at, wanted) => expect(Math.abs(out[at] - wanted) < 0.51, `byte ${at} is ${out[at]}, wanted ${wanted}`);
+  for (let y = 0; y < height; ++y) for (let x = 0; x < width; ++x) check(y * width + x, 16 + 219 * luma(color(x, y)));
+  for (let y = 0; y < height; y += 2)
+    for (let x = 0; x < width; x += 2) {
+      const block = [color(x, y), color(x + 1, y), color(x, y + 1), color(x + 1, y + 1)];
+      const mean = [0, 1, 2].map((k) => block.reduce((sum, c) => sum + c[k] / 4, 0));
+      const at = count + (y * width) / 4 + x / 2;
+      check(at, 128 + (224 * (mean[2] - luma(mean))) / 1.8556);
+      check(at + count / 4, 128 + (224 * (mean[0] - luma(mean))) / 1.5748);
+    }
+});
+
 test("refuses damaged executable data with a message", () => {
   const sizes = [0, 1, 8, 31, 32, 100, 1000, content.length >> 1, content.length - 1];
   for (const size of sizes) {

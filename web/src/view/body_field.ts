@@ -155,7 +155,7 @@ const smooth_min = (a: number, b: number, k: number): number => {
 export class BodyField {
   readonly links: FieldLink[] = [];
   /** Links that distance() considers. */
-  private near: readonly FieldLink[];
+  private near: FieldLink[];
   /** Distances from the links that distance() has computed at its present point; `known_at` is the number of its point. */
   private readonly known: Float64Array;
   private readonly known_at: Int32Array;
@@ -178,7 +178,7 @@ export class BodyField {
       by_index.set(index, made);
       this.links.push(made);
     });
-    this.near = this.links;
+    this.near = [...this.links];
     this.known = new Float64Array(this.links.length);
     this.known_at = new Int32Array(this.links.length);
   }
@@ -211,7 +211,10 @@ export class BodyField {
 
   /** Prepares calls of distance() for points within `reach` (m) of a point: they skip the links that are too far away to matter. */
   look_near(x: number, y: number, z: number, reach: number): void {
-    this.near = this.links.filter((l) => length(x - l.centre.x, y - l.centre.y, z - l.centre.z) - l.reach - l.blend < farthest + 1.01 * reach);
+const { near } = this;
+    let count = 0;
+    for (const l of this.links) if (length(x - l.centre.x, y - l.centre.y, z - l.centre.z) - l.reach - l.blend < farthest + 1.01 * reach) near[count++] = l;
+    near.length = count;
   }
 
   /** Signed distance of a point from the body, m; exact near the surface only. The point must be within the reach of the last look_near(). */
@@ -226,6 +229,17 @@ export class BodyField {
       out = Math.min(out, parent ? smooth_min(own, this.distance_here(parent, x, y, z), link.blend) : own);
     }
     return out;
+  }
+
+  /** The link whose surface is nearest. The point must be within the reach of the last look_near() and near the body. */
+  nearest_link(x: number, y: number, z: number): FieldLink {
+    let nearest = this.near[0] ?? this.links[0]!;
+    let smallest = Infinity;
+    for (const link of this.near) {
+      const d = this.link_distance(link, x, y, z);
+      if (d < smallest) [smallest, nearest] = [d, link];
+    }
+    return nearest;
   }
 
   /** link_distance(), computed once for each point. */

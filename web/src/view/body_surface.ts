@@ -2,7 +2,7 @@
 import { MeshoptSimplifier } from 'meshoptimizer/simplifier';
 import * as THREE from 'three';
 import type { MechanismData } from '../core/protocol';
-import { BodyField, bind_poses, is_body } from './body_field';
+import { BodyField, bind_poses, is_body, type FieldLink } from './body_field';
 
 export interface BodySurface {
   /** Attributes position and normal (bind pose), skinIndex (links) and skinWeight. The draw range is the surface that is shown. */
@@ -35,6 +35,7 @@ const shadow_error = 0.22; // 4 mm, less than a texel of the shadow map
 const normal_weight = 28; // a normal that is wrong by 1/500 counts as 1 mm, because light shows it
 const bend_weight = 2.8; // a wrong part of 1/50 between two links counts as 1 mm: a bent limb moves by about its radius
 const block = 4; // edge of a block of cells that is skipped if it is far from the surface, cells
+const smoothing = 1.2e-3; // m: normals are those of differences over this distance, so that the creases between links that are not connected are smooth
 const vertices_at_once = 128; // work between two pauses
 /** Maximum number of links of a body; sets the size of a uniform array of the shader, of which WebGL 2 guarantees 256 vectors. */
 export const max_links = 96;
@@ -113,8 +114,7 @@ function set_details(surface: BodySurface, made: Details): void {
 
 function* details_of(field: BodyField, rough: boolean): Work<Details> {
   const { positions, indices, cell } = yield* mesh_of(field, rough ? rough_cells_over_height : cells_over_height);
-  const normals = yield* normals_of(field, positions);
-  const skin = yield* weights_of(field, positions);
+  const { normals, ...skin } = yield* settle(field, positions, cell);
   const range = { start: 0, count: indices.length };
   if (rough || indices.length === 0) return { positions, normals, ...skin, indices, shown: range, coarser: [], shadow: range };
   yield;
@@ -178,163 +178,236 @@ interface Mesh {
   cell: number;
 }
 
-/** The zero level as a mesh by surface nets: one vertex for each cell that the level crosses, one quad for each crossed edge. */
-function* mesh_of(field: BodyField, cells: number): Work<Mesh> {
-  const box = new THREE.Box3();
-  for (const link of field.links) box.union(new THREE.Box3().setFromCenterAndSize(link.centre, new THREE.Vector3().setScalar(2 * (link.reach + link.blend))));
-  const size = box.getSize(new THREE.Vector3());
-  const h = Math.max(size.x, size.y, size.z) / cells;
-  const [nx, ny, nz] = [Math.ceil(size.x / h) + 3, Math.ceil(size.y / h) + 3, Math.ceil(size.z / h) + 3];
-  const origin = box.min.clone().subScalar(h);
-  const values = new Float32Array(nx * ny * nz).fill(1);
-  const at = (i: number, j: number, k: number): number => i + nx * (j + ny * k);
-  // range of the cells that are evaluated in each row along x; the level is nowhere else
-  const begin = new Int32Array(ny * nz).fill(nx);
-  const end = new Int32Array(ny * nz);
-  // each pair of links is evaluated only near its own link, block by block
-  for (const link of field.links) {
+const edges_of_cell = [0, 1, 2, 3, 4, 5, 6, 7, 0, 2, 1, 3, 4, 6, 5, 7, 0, 4, 1, 5, 2, 6, 3, 7]; // pairs of corners; bit 0 of a corner is x, bit 1 y, bit 2 z
+
+/** A grid of values of the field near the zero level. Each function computes a small part, so that browsers optimise it after a few calls. */
+class Grid {
+  readonly h: number;
+  readonly origin: THREE.Vector3;
+  readonly nx: number;
+  readonly ny: number;
+  readonly nz: number;
+  readonly positions: number[] = [];
+  readonly indices: number[] = [];
+  private readonly values: Float32Array;
+  /** Range of the cells that are evaluated in each row along x; the level is nowhere else. */
+  private readonly begin: Int32Array;
+  private readonly end: Int32Array;
+  /** Index of the vertex in each cell; -1: none. */
+  private readonly vertex: Int32Array;
+  private readonly corners: number[];
+  private readonly steps: [number, number, number];
+
+  constructor(private readonly field: BodyField, cells: number) {
+    const box = new THREE.Box3();
+    for (const link of field.links) box.union(new THREE.Box3().setFromCenterAndSize(link.centre, new THREE.Vector3().setScalar(2 * (link.reach + link.blend))));
+    const size = box.getSize(new THREE.Vector3());
+    const h = (this.h = Math.max(size.x, size.y, size.z) / cells);
+    const nx = (this.nx = Math.ceil(size.x / h) + 3);
+    const ny = (this.ny = Math.ceil(size.y / h) + 3);
+    const nz = (this.nz = Math.ceil(size.z / h) + 3);
+    this.origin = box.min.clone().subScalar(h);
+    this.values = new Float32Array(nx * ny * nz).fill(1);
+    this.begin = new Int32Array(ny * nz).fill(nx);
+    this.end = new Int32Array(ny * nz);
+    this.vertex = new Int32Array(nx * ny * nz).fill(-1);
+    this.corners = [0, 1, nx, nx + 1, nx * ny, nx * ny + 1, nx * ny + nx, nx * ny + nx + 1];
+    this.steps = [1, nx, nx * ny];
+  }
+
+  /** Ranges of the cells near a link: i0, i1, j0, j1, k0, k1. */
+  range_of(link: FieldLink): [number, number, number, number, number, number] {
+    const { origin, h, nx, ny, nz } = this;
     const reach = link.reach + link.blend;
     const low = link.centre.clone().subScalar(reach).sub(origin).divideScalar(h).floor();
     const high = link.centre.clone().addScalar(reach).sub(origin).divideScalar(h).ceil();
-    const [i0, j0, k0] = [Math.max(0, low.x), Math.max(0, low.y), Math.max(0, low.z)];
-    const [i1, j1, k1] = [Math.min(nx - 1, high.x), Math.min(ny - 1, high.y), Math.min(nz - 1, high.z)];
+    return [Math.max(0, low.x), Math.min(nx - 1, high.x), Math.max(0, low.y), Math.min(ny - 1, high.y), Math.max(0, low.z), Math.min(nz - 1, high.z)];
+  }
+
+  /** Evaluates the pair of a link in the cells of a block, if the level may be there. @param i1, j1, k1 last cells of the link's range */
+  evaluate(link: FieldLink, ib: number, jb: number, kb: number, i1: number, j1: number, k1: number): void {
+    const { field, origin, h, nx, ny, begin, end, values } = this;
     const middle = 0.5 * h * (block - 1);
     // from the middle of a block to its corners, and two cells more: values beside the zero level are needed
     const away = link.blend + Math.sqrt(3) * middle + 2 * h;
-    for (let kb = k0; kb <= k1; kb += block) {
-      yield;
-      for (let jb = j0; jb <= j1; jb += block)
-        for (let ib = i0; ib <= i1; ib += block) {
-          if (field.min_distance(link, origin.x + h * ib + middle, origin.y + h * jb + middle, origin.z + h * kb + middle) > away) continue;
-          for (let k = kb; k < kb + block && k <= k1; k++)
-            for (let j = jb; j < jb + block && j <= j1; j++) {
-              const row = j + ny * k;
-              begin[row] = Math.min(begin[row]!, ib);
-              end[row] = Math.max(end[row]!, Math.min(ib + block - 1, i1) + 1);
-              for (let i = ib; i < ib + block && i <= i1; i++) {
-                const value = field.pair_distance(link, origin.x + h * i, origin.y + h * j, origin.z + h * k);
-                const cell = at(i, j, k);
-                if (value < values[cell]!) values[cell] = value;
-              }
-            }
+    if (field.min_distance(link, origin.x + h * ib + middle, origin.y + h * jb + middle, origin.z + h * kb + middle) > away) return;
+    const last = Math.min(ib + block - 1, i1);
+    for (let k = kb; k < kb + block && k <= k1; k++)
+      for (let j = jb; j < jb + block && j <= j1; j++) {
+        const row = j + ny * k;
+        begin[row] = Math.min(begin[row]!, ib);
+        end[row] = Math.max(end[row]!, last + 1);
+        for (let i = ib; i <= last; i++) {
+          const value = field.pair_distance(link, origin.x + h * i, origin.y + h * j, origin.z + h * k);
+          const cell = i + nx * row;
+          if (value < values[cell]!) values[cell] = value;
         }
+      }
+  }
+
+  /** Makes the vertices of a row: one for each cell that the level crosses. */
+  add_vertices(j: number, k: number): void {
+    const { nx, ny, begin, end, values, corners } = this;
+    const row = j + ny * k;
+    for (let i = begin[row]!, last = Math.min(end[row]!, nx - 1); i < last; i++) {
+      const base = i + nx * row;
+      const inside = values[base]! < 0;
+      let c = 1;
+      while (c < 8 && values[base + corners[c]!]! < 0 === inside) c++;
+      if (c < 8) this.add_vertex(i, j, k, base);
     }
   }
-  const vertex = new Int32Array(values.length).fill(-1);
-  const positions: number[] = [];
-  const corners = [0, 1, nx, nx + 1, nx * ny, nx * ny + 1, nx * ny + nx, nx * ny + nx + 1];
-  const edges = [0, 1, 2, 3, 4, 5, 6, 7, 0, 2, 1, 3, 4, 6, 5, 7, 0, 4, 1, 5, 2, 6, 3, 7]; // pairs of corners
+
+  private add_vertex(i: number, j: number, k: number, base: number): void {
+    const { origin, h, values, corners, positions } = this;
+    let x = 0;
+    let y = 0;
+    let z = 0;
+    let count = 0;
+    for (let edge = 0; edge < edges_of_cell.length; edge += 2) {
+      const a = edges_of_cell[edge]!;
+      const b = edges_of_cell[edge + 1]!;
+      const va = values[base + corners[a]!]!;
+      const vb = values[base + corners[b]!]!;
+      if (va < 0 === vb < 0) continue;
+      const t = va / (va - vb);
+      x += (a & 1) + t * ((b & 1) - (a & 1));
+      y += ((a >> 1) & 1) + t * (((b >> 1) & 1) - ((a >> 1) & 1));
+      z += (a >> 2) + t * ((b >> 2) - (a >> 2));
+      count++;
+    }
+    this.vertex[base] = positions.length / 3;
+    positions.push(origin.x + h * (i + x / count), origin.y + h * (j + y / count), origin.z + h * (k + z / count));
+  }
+
+  /** Makes the triangles of a row: two for each edge that the level crosses. */
+  add_triangles(j: number, k: number): void {
+    const { nx, ny, begin, end, values, steps } = this;
+    const row = j + ny * k;
+    for (let i = Math.max(1, begin[row]!), last = Math.min(end[row]!, nx - 1); i < last; i++) {
+      const base = i + nx * row;
+      const inside = values[base]! < 0;
+      for (let axis = 0; axis < 3; axis++)
+        if (inside !== values[base + steps[axis]!]! < 0) this.add_square(base, steps[(axis + 1) % 3]!, steps[(axis + 2) % 3]!, inside);
+    }
+  }
+
+  private add_square(base: number, u: number, v: number, inside: boolean): void {
+    const { vertex, indices } = this;
+    const a = vertex[base]!;
+    const b = vertex[base - u]!;
+    const c = vertex[base - u - v]!;
+    const d = vertex[base - v]!;
+    if (inside) indices.push(a, b, c, a, c, d);
+    else indices.push(a, c, b, a, d, c);
+  }
+}
+
+/** The zero level as a mesh by surface nets: one vertex for each cell that the level crosses, one quad for each crossed edge. */
+function* mesh_of(field: BodyField, cells: number): Work<Mesh> {
+  const grid = new Grid(field, cells);
+  const { ny, nz } = grid;
+  // each pair of links is evaluated only near its own link, block by block
+  for (const link of field.links) {
+    const [i0, i1, j0, j1, k0, k1] = grid.range_of(link);
+    for (let k = k0; k <= k1; k += block) {
+      yield;
+      for (let j = j0; j <= j1; j += block) for (let i = i0; i <= i1; i += block) grid.evaluate(link, i, j, k, i1, j1, k1);
+    }
+  }
   for (let k = 0; k < nz - 1; k++) {
     yield;
-    for (let j = 0; j < ny - 1; j++)
-      for (let i = begin[j + ny * k]!, last = Math.min(end[j + ny * k]!, nx - 1); i < last; i++) {
-        const base = at(i, j, k);
-        const inside = values[base]! < 0;
-        let c = 1;
-        while (c < 8 && values[base + corners[c]!]! < 0 === inside) c++;
-        if (c === 8) continue;
-        let x = 0;
-        let y = 0;
-        let z = 0;
-        let count = 0;
-        for (let edge = 0; edge < edges.length; edge += 2) {
-          const a = edges[edge]!;
-          const b = edges[edge + 1]!;
-          const va = values[base + corners[a]!]!;
-          const vb = values[base + corners[b]!]!;
-          if (va < 0 === vb < 0) continue;
-          const t = va / (va - vb);
-          x += (a & 1) + t * ((b & 1) - (a & 1));
-          y += ((a >> 1) & 1) + t * (((b >> 1) & 1) - ((a >> 1) & 1));
-          z += (a >> 2) + t * ((b >> 2) - (a >> 2));
-          count++;
-        }
-        vertex[base] = positions.length / 3;
-        positions.push(origin.x + h * (i + x / count), origin.y + h * (j + y / count), origin.z + h * (k + z / count));
-      }
+    for (let j = 0; j < ny - 1; j++) grid.add_vertices(j, k);
   }
-  const indices: number[] = [];
-  const steps = [1, nx, nx * ny];
   for (let k = 1; k < nz - 1; k++) {
     yield;
-    for (let j = 1; j < ny - 1; j++)
-      for (let i = Math.max(1, begin[j + ny * k]!), last = Math.min(end[j + ny * k]!, nx - 1); i < last; i++) {
-        const base = at(i, j, k);
-        const inside = values[base]! < 0;
-        for (let axis = 0; axis < 3; axis++) {
-          if (inside === values[base + steps[axis]!]! < 0) continue;
-          const [u, v] = [steps[(axis + 1) % 3]!, steps[(axis + 2) % 3]!];
-          const [a, b, c, d] = [vertex[base]!, vertex[base - u]!, vertex[base - u - v]!, vertex[base - v]!];
-          if (inside) indices.push(a, b, c, a, c, d);
-          else indices.push(a, c, b, a, d, c);
-        }
-      }
+    for (let j = 1; j < ny - 1; j++) grid.add_triangles(j, k);
   }
-  return { positions: yield* settle(field, new Float32Array(positions), h), indices: new Uint32Array(indices), cell: h };
+  return { positions: new Float32Array(grid.positions), indices: new Uint32Array(grid.indices), cell: grid.h };
 }
 
-/** Moves vertices onto the zero level along the gradient: the cells' size is not visible on the surface. */
-function* settle(field: BodyField, positions: Float32Array, h: number): Work<Float32Array> {
-  const e = 0.1 * h;
-  for (let round = 0; round < 2; round++)
-    for (let i = 0; i < positions.length; i += 3) {
-      if (i % (3 * vertices_at_once) === 0) yield;
-      const [x, y, z] = [positions[i]!, positions[i + 1]!, positions[i + 2]!];
-      field.look_near(x, y, z, e);
-      const d = field.distance(x, y, z);
-      const gx = (field.distance(x + e, y, z) - d) / e;
-      const gy = (field.distance(x, y + e, z) - d) / e;
-      const gz = (field.distance(x, y, z + e) - d) / e;
-      const g2 = gx * gx + gy * gy + gz * gz;
-      if (g2 < 1e-4) continue;
-      const step = Math.max(-0.5 * h, Math.min(0.5 * h, d)) / g2;
-      positions[i] = x - step * gx;
-      positions[i + 1] = y - step * gy;
-      positions[i + 2] = z - step * gz;
-    }
-  return positions;
+/** Edges of a tetrahedron's corners from its centre: four values give a gradient whose error is of second order, as six values along the axes do. */
+const corners_around = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]] as const;
+const gradient = new THREE.Vector3();
+
+/** Sets `gradient` at a point. @param e distance of the values from the point along each axis, m */
+function compute_gradient(field: BodyField, x: number, y: number, z: number, e: number): void {
+  gradient.set(0, 0, 0);
+  for (const [i, j, k] of corners_around) {
+    const d = field.distance(x + e * i, y + e * j, z + e * k);
+    gradient.x += i * d;
+    gradient.y += j * d;
+    gradient.z += k * d;
+  }
+  gradient.multiplyScalar(0.25 / e);
 }
 
-function* normals_of(field: BodyField, positions: Float32Array): Work<Float32Array> {
-  const out = new Float32Array(positions.length);
-  const e = 2e-3; // m: smooths the creases between links that are not connected
-  const n = new THREE.Vector3();
-  for (let i = 0; i < positions.length; i += 3) {
-    if (i % (3 * vertices_at_once) === 0) yield;
-    const [x, y, z] = [positions[i]!, positions[i + 1]!, positions[i + 2]!];
-    field.look_near(x, y, z, e);
-    n.set(field.distance(x + e, y, z) - field.distance(x - e, y, z), field.distance(x, y + e, z) - field.distance(x, y - e, z), field.distance(x, y, z + e) - field.distance(x, y, z - e)).normalize();
-    n.toArray(out, i);
+/** Moves vertices onto the zero level along the gradient, so that the cells' size is not visible on the surface. @return normals and weights of the links */
+function* settle(field: BodyField, positions: Float32Array, h: number): Work<Pick<Details, 'normals' | 'links' | 'weights'>> {
+  const count = positions.length / 3;
+  const out = { normals: new Float32Array(positions.length), links: new Uint16Array(4 * count), weights: new Float32Array(4 * count) };
+  const binding = new Binding(field);
+  for (let i = 0; i < count; i++) {
+    if (i % vertices_at_once === 0) yield;
+    settle_vertex(field, binding, positions, h, i, out);
   }
   return out;
 }
 
-/** Weights of at most four links for each vertex: of the nearest link and of those connected to it, falling with the distance. */
-function* weights_of(field: BodyField, positions: Float32Array): Work<Pick<Details, 'links' | 'weights'>> {
-  const count = positions.length / 3;
-  const links = new Uint16Array(4 * count);
-  const weights = new Float32Array(4 * count);
-  const connected = field.links.map((a) => field.links.filter((b) => a === b || a.parent === b || b.parent === a));
-  for (let i = 0; i < count; i++) {
-    if (i % vertices_at_once === 0) yield;
-    const [x, y, z] = [positions[3 * i]!, positions[3 * i + 1]!, positions[3 * i + 2]!];
-    let nearest = 0;
-    let smallest = Infinity;
-    for (const link of field.links) {
+function settle_vertex(field: BodyField, binding: Binding, positions: Float32Array, h: number, i: number, { normals, links, weights }: Pick<Details, 'normals' | 'links' | 'weights'>): void {
+  let x = positions[3 * i]!;
+  let y = positions[3 * i + 1]!;
+  let z = positions[3 * i + 2]!;
+  field.look_near(x, y, z, h + 2 * smoothing);
+  compute_gradient(field, x, y, z, 0.1 * h);
+  const g2 = gradient.lengthSq();
+  for (let round = 0; round < 2 && g2 >= 1e-4; round++) {
+    const step = Math.max(-0.5 * h, Math.min(0.5 * h, field.distance(x, y, z))) / g2;
+    x -= step * gradient.x;
+    y -= step * gradient.y;
+    z -= step * gradient.z;
+  }
+  positions[3 * i] = x;
+  positions[3 * i + 1] = y;
+  positions[3 * i + 2] = z;
+  compute_gradient(field, x, y, z, smoothing);
+  gradient.normalize().toArray(normals, 3 * i);
+  binding.bind(x, y, z, 4 * i, links, weights);
+}
+
+/** Binds points to at most four links: the nearest one and those connected to it, with weights that fall with the distance. */
+class Binding {
+  /** Of each link: it and the links that are connected to it. */
+  private readonly connected: FieldLink[][];
+  /** The links of the present point, the nearest first. */
+  private readonly chosen: { link: FieldLink; d: number }[] = [];
+
+  constructor(private readonly field: BodyField) {
+    this.connected = field.links.map((a) => field.links.filter((b) => a === b || a.parent === b || b.parent === a));
+  }
+
+  /** The point must be within the reach of the last look_near(). @param at index of the first of the four values that are written */
+  bind(x: number, y: number, z: number, at: number, links: Uint16Array, weights: Float32Array): void {
+    const { field } = this;
+    const nearest = field.nearest_link(x, y, z);
+    const { chosen } = this;
+    chosen.length = 0;
+    for (const link of this.connected[nearest.number]!) {
       const d = field.link_distance(link, x, y, z);
-      if (d < smallest) [smallest, nearest] = [d, link.number];
+      let place = chosen.length;
+      while (place > 0 && chosen[place - 1]!.d > d) place--;
+      chosen.splice(place, 0, { link, d });
     }
-    const chosen = connected[nearest]!.map((link) => ({ link, d: field.link_distance(link, x, y, z) })).sort((a, b) => a.d - b.d).slice(0, 4);
+    chosen.length = Math.min(chosen.length, 4);
     const first = chosen[0]!;
     let sum = 0;
     chosen.forEach((n, k) => {
       const width = 0.5 * Math.min(first.link.radius, n.link.radius);
       const w = Math.max(0, 1 - (n.d - first.d) / width) ** 2;
-      links[4 * i + k] = n.link.index;
-      weights[4 * i + k] = w;
+      links[at + k] = n.link.index;
+      weights[at + k] = w;
       sum += w;
     });
-    for (let k = 0; k < 4; k++) weights[4 * i + k]! /= sum;
+    for (let k = 0; k < 4; k++) weights[at + k]! /= sum;
   }
-  return { links, weights };
 }
