@@ -16,7 +16,7 @@
 namespace ugoki::intake {
 namespace {
 
-constexpr double g = 9.81, apex = 0.3, least_bend = 0.4;  // m/s^2, m, rad: knees never straighten, so that the thighs do not jerk
+constexpr double g = 9.81, apex = 0.3, min_bend = 0.4;  // m/s^2, m, rad: knees never straighten, so that the thighs do not jerk
 
 std::size_t find(const MeasuredMotion& m, const std::string& name) {
   for (std::size_t i = 0; i < m.skeleton.joints.size(); ++i)
@@ -53,8 +53,8 @@ MeasuredMotion make_jump(double speed) {
     const std::size_t at = static_cast<std::size_t>(f) * n;
     const double leg =
         norm(stand.skeleton.joints[find(stand, "LeftLeg")].offset) + norm(stand.skeleton.joints[find(stand, "LeftFoot")].offset);
-    out.translations[at].z += height - leg * (1 - std::cos(least_bend));
-    const double bend = std::acos(std::clamp(std::cos(least_bend) + std::min(0.0, height) / leg, -1.0, 1.0));
+    out.translations[at].z += height - leg * (1 - std::cos(min_bend));
+    const double bend = std::acos(std::clamp(std::cos(min_bend) + std::min(0.0, height) / leg, -1.0, 1.0));
     for (const std::string side : {"Left", "Right"}) {
       for (const auto& [joint, turn] : {std::pair{"UpLeg", -bend}, std::pair{"Leg", 2 * bend}, std::pair{"Foot", -bend}}) {
         Quat& r = out.rotations[at + find(stand, side + joint)];

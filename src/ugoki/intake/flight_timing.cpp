@@ -29,7 +29,7 @@ constexpr double bend_weight = 0.05;                      // of the acceleration
 constexpr double floor_weight = 20;                       // of heights that put the lowest point below the floor
 constexpr int rounds = 40;
 
-/// For each frame the squared speed with which a flight takes as long as a fall from, and a rise to, its greatest height; 1 on the ground.
+/// For each frame the squared speed with which a flight takes as long as a fall from its apex, and a rise to it; 1 on the ground.
 std::vector<double> speeds_of_heights(std::span<const Vec3> centre, std::span<const Support> support, double rate) {
   std::vector<double> out(centre.size(), 1.0);
   for (std::size_t f = 0; f < centre.size(); ++f) {

@@ -24,8 +24,8 @@ constexpr double tolerance = 0.3;  // of gravity: mean accelerations of captured
 constexpr double froude = 0.25;    // square of the speed over the ground divided by gravity and height: faster flights are kept
 constexpr double remaining = 0.2;  // of the impossible acceleration, at most, after the change
 constexpr double exact = 0.1;      // g^2: with so little impossible acceleration, heights stay
-constexpr double most_left = 0.3;  // g^2: with more, the motion is not changed
-constexpr double most_raised = 0.3;  // share of the height
+constexpr double max_left = 0.3;   // g^2: with more, the motion is not changed
+constexpr double max_raise = 0.3;  // share of the height
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -178,7 +178,7 @@ std::string retime_to_gravity(MeasuredMotion& measured, const Mechanism& mechani
         if (measured.skeleton.joints[j].parent < 0) out.translations[f * joints + j].z += up[f];
     }
   }
-  if (std::fabs(raised) > most_raised * height || impossible_acceleration(now.centre, now.support, played, now.rate) > most_left) return {};
+  if (std::fabs(raised) > max_raise * height || impossible_acceleration(now.centre, now.support, played, now.rate) > max_left) return {};
   std::string sentence = measured.name + ": flights did not suit gravity; the motion is played with " + to_fixed(clock.slowest, 2) +
                          " to " + to_fixed(clock.fastest, 2) + " times the speed of the file (" + to_fixed(measured.duration(), 2) +
                          " s became " + to_fixed(clock.duration(), 2) + " s)";

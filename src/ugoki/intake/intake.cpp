@@ -17,7 +17,6 @@
 #include "ugoki/intake/animal_size.h"
 #include "ugoki/intake/arrange.h"
 #include "ugoki/intake/choice.h"
-#include "ugoki/intake/gravity_time.h"
 #include "ugoki/intake/joined_motion.h"
 #include "ugoki/intake/mesh_intake.h"
 #include "ugoki/intake/scale.h"
@@ -325,19 +324,13 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   out.items = {std::move(mechanism_item)};
   for (std::size_t i = 0; i < motions.size(); ++i) {
     if (auto error = stopped(options, file_name)) return fail(std::move(*error));
-    if (character.plan != body::BodyPlan::other && options.travel) {
-      if (std::string sentence = retime_to_gravity(motions[i], *body->mechanism, body::to_motion(*body, motions[i]), body->height);
-          !sentence.empty()) {
+    if (character.plan != body::BodyPlan::other && options.travel)
+      for (const auto& [sentence, far] : suit_to_gravity(motions[i], *body)) {
+        if (far) checks.push_back(sentence);
+        if (far) continue;
         out.report.push_back(sentence);
         out.conversion.add_remarks({sentence});
       }
-      const auto [sentence, far] = lower_to_floor(motions[i], *body);
-      if (far) checks.push_back(sentence);
-      if (!far && !sentence.empty()) {
-        out.report.push_back(sentence);
-        out.conversion.add_remarks({sentence});
-      }
-    }
     Motion motion;
     auto items = motion_items(motions[i], *body, mechanism_id, out.source, options, motion);
     if (!items) return fail(in_file(std::move(items.error()), file_name));

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "ugoki/base/number.h"
+#include "ugoki/intake/gravity_time.h"
 #include "ugoki/intake/support.h"
 #include "ugoki/intake/tree_edit.h"
 
@@ -74,20 +75,26 @@ void add_travel(MeasuredMotion& motion, const std::vector<Vec3>& shift) {
       if (motion.skeleton.joints[i].parent < 0) motion.translations[f * n + i] += shift[f];
 }
 
-Lowered lower_to_floor(MeasuredMotion& measured, const body::Body& body) {
+std::vector<Change> suit_to_gravity(MeasuredMotion& measured, const body::Body& body) {
   constexpr double far = 0.08;  // share of the height
-  const Motion motion = body::to_motion(body, measured);
-  if (motion.frames != measured.frames) return {};
+  std::vector<Change> out;
+  Motion motion = body::to_motion(body, measured);
+  if (std::string sentence = retime_to_gravity(measured, *body.mechanism, motion, body.height); !sentence.empty()) {
+    out.push_back({std::move(sentence)});
+    motion = body::to_motion(body, measured);
+  }
+  if (motion.frames != measured.frames) return out;
   const std::vector<double> heights = hovering_heights(*body.mechanism, motion, body.height);
-  if (heights.empty()) return {};
+  if (heights.empty()) return out;
   const std::size_t n = measured.skeleton.joints.size();
   for (std::size_t f = 0; f < heights.size(); ++f)
     for (std::size_t j = 0; j < n; ++j)
       if (measured.skeleton.joints[j].parent < 0) measured.translations[f * n + j].z -= heights[f];
   const double highest = *std::ranges::max_element(heights);
-  return {measured.name + ": the character was lowered by up to " + to_fixed(100 * highest, 1) +
-              " cm where it hovers above the floor without falling, or falls faster than gravity.",
-          highest > far * body.height};
+  out.push_back({measured.name + ": the character was lowered by up to " + to_fixed(100 * highest, 1) +
+                     " cm where it hovers above the floor without falling, or falls faster than gravity.",
+                 highest > far * body.height});
+  return out;
 }
 
 }  // namespace ugoki::intake

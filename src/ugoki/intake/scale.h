@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "ugoki/body/body.h"
 #include "ugoki/body/recognise.h"
@@ -25,12 +26,13 @@ namespace ugoki::intake {
 /// Displaces the roots. @param shift [frames] m
 void add_travel(MeasuredMotion& motion, const std::vector<Vec3>& shift);
 
-/// Result of lower_to_floor().
-struct Lowered {
-  std::string sentence;  ///< what was changed; empty if the character does not hover
-  bool far = false;      ///< the legs bend much more than in the file
+/// A change of a motion.
+struct Change {
+  std::string sentence;
+  bool far = false;  ///< the legs bend much more than in the file
 };
-/// Lowers the root of a person or animal that hovers (hovering_heights). @param body made for the motion
-Lowered lower_to_floor(MeasuredMotion& measured, const body::Body& body);
+/// Gives jumps the timing of free fall (gravity_time.h), and lowers the root of a person or animal that hovers (hovering_heights).
+/// @param body made for the motion @return what was changed
+[[nodiscard]] std::vector<Change> suit_to_gravity(MeasuredMotion& measured, const body::Body& body);
 
 }  // namespace ugoki::intake
