@@ -200,6 +200,59 @@ TEST(Recognise, TwoTailsAreNoLegs) {
   EXPECT_EQ(six_legs.why_not, "it has 6 limbs.");
 }
 
+TEST(Recognise, BonesThatHangAboveTheGroundAreNoLegs) {
+  const auto with_bones_down = [](double z) {  // m, height of each of the four bones of the pair
+    MeasuredMotion m = animal_with_pair("Wool");
+    for (SkeletonJoint& j : m.skeleton.joints)
+      if (j.name.starts_with("Wool")) j.offset.z = z;
+    for (std::size_t i = 0; i < m.translations.size(); ++i) m.translations[i] = m.skeleton.joints[i % m.skeleton.joints.size()].offset;
+    return m;
+  };
+  const Character fur = recognise_character(with_bones_down(0));
+  EXPECT_EQ(fur.plan, BodyPlan::four_legs) << fur.why_not;
+  EXPECT_EQ(recognise_character(with_bones_down(-0.125)).plan, BodyPlan::other);
+}
+
+/// A level animal whose trunk begins at the joint of its hind limbs: a long tail points up and back, a long neck forwards; names state
+/// nothing.
+MeasuredMotion animal_with_raised_tail() {
+  MeasuredMotion m;
+  m.rate = 24;
+  m.frames = 7;
+  const auto add = [&](int parent, const Vec3& offset) {
+    SkeletonJoint j;
+    j.name = "Z" + std::to_string(m.joint_count());
+    j.parent = parent;
+    j.offset = offset;
+    j.translates = parent < 0;
+    m.skeleton.joints.push_back(std::move(j));
+    return m.joint_count() - 1;
+  };
+  const int hips = add(-1, {0, 0, 0.156});
+  add(add(hips, {-0.06, 0, 0.024}), {-0.018, 0, 0.016});  // tail
+  const int chest = add(hips, {0.154, 0, -0.008});
+  add(add(chest, {0.089, 0, 0.014}), {0.142, 0, 0.046});  // neck and head
+  for (const double side : {1.0, -1.0})
+    for (const int from : {hips, chest}) {
+      const bool hind = from == hips;
+      int i = add(from, {0.003, 0.03 * side, -0.018});
+      const Vec3 bones[] = {{hind ? 0.004 : 0.016, 0, hind ? -0.089 : -0.083}, {0.014, 0, -0.021}, {-0.008, 0, -0.027}};
+      for (const Vec3& bone : bones) i = add(i, bone);
+    }
+  for (int f = 0; f < m.frames; ++f)
+    for (int i = 0; i < m.joint_count(); ++i) {
+      m.translations.push_back(m.skeleton.joints[static_cast<std::size_t>(i)].offset);
+      m.rotations.push_back(i == 0 ? Quat{} : axis_angle({0, 1, 0}, 0.1 * std::sin(0.9 * f + 2.1 * i)));
+    }
+  return m;
+}
+
+TEST(Recognise, FrontLimbsHangBelowTheHindLimbsInTheTree) {
+  const Character animal = recognise_character(animal_with_raised_tail());
+  EXPECT_EQ(animal.plan, BodyPlan::four_legs) << animal.why_not;
+  EXPECT_EQ(animal.pelvis, 0);
+}
+
 TEST(Mapping, TheRecognisedMappingGivesTheSameCharacter) {
   const MeasuredMotion motion = testing::made_character(60);
   const Character before = recognise_character(motion);

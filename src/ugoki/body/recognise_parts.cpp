@@ -32,11 +32,7 @@ bool Recogniser::stands_on_four() const {
   constexpr double level = 0.5, below = 0.6, near = 0.2, mostly = 0.7;  // sine; shares of the length of a leg; share of the frames
   int count = 0;
   for (int f = 0; f < shape_.frames(); ++f) {
-    const auto end_of = [&](const Limb& l) {
-      int i = l.tip >= 0 ? l.tip : l.end >= 0 ? l.end : l.distal;
-      while (heir_[at(i)] >= 0) i = heir_[at(i)];
-      return shape_.tip(f, i).z;
-    };
+    const auto end_of = [&](const Limb& l) { return shape_.tip(f, end_joint(l)).z; };
     const auto middle = [&](const std::array<Limb, 2>& l) { return (shape_.p(f, l[0].proximal) + shape_.p(f, l[1].proximal)) * 0.5; };
     bool stands = std::fabs(normalized(middle(f_.arms) - middle(f_.legs)).z) < level;
     for (std::size_t s = 0; s < 2; ++s) {
@@ -48,8 +44,27 @@ bool Recogniser::stands_on_four() const {
   return count > mostly * shape_.frames();
 }
 
+int Recogniser::end_joint(const Limb& l) const {
+  int i = l.tip >= 0 ? l.tip : l.end >= 0 ? l.end : l.distal;
+  while (heir_[at(i)] >= 0) i = heir_[at(i)];
+  return i;
+}
+
+bool Recogniser::comes_down(int joint) const {
+  constexpr double near = 0.4, seldom = 0.05;  // share of the length of a leg; share of the frames
+  int count = 0;
+  for (int f = 0; f < shape_.frames(); ++f) {
+    double ground = 1e300;
+    for (const std::array<Limb, 2>* limbs : {&f_.legs, &f_.arms})
+      for (const Limb& l : *limbs) ground = std::min(ground, shape_.tip(f, end_joint(l)).z);
+    count += shape_.tip(f, joint).z < ground + near * f_.leg_length ? 1 : 0;
+  }
+  return count > seldom * shape_.frames();
+}
+
 int Recogniser::more_limbs() const {
   if (human_names() >= 5) return 0;
+  const bool on_four = stands_on_four();
   int count = 0;
   std::vector<int> used;
   for (const Pair& p : pairs_) {
@@ -64,6 +79,9 @@ int Recogniser::more_limbs() const {
       return !name(x.first).control && std::ranges::none_of(x.path, [&](int i) { return name(i).tail; });
     };
     if (!is_limb(a) && !is_limb(b)) continue;
+    // Bones of the fur and the trunk of an animal that stands on four limbs hang high above the ground, and are not named as limbs.
+    const auto is_hanging = [&](const Branch& x) { return named(x, is_leg) + named(x, is_arm) == 0 && !comes_down(x.leaf); };
+    if (on_four && is_hanging(a) && is_hanging(b)) continue;
     if (std::ranges::find(used, p.first) != used.end() || std::ranges::find(used, p.second) != used.end()) continue;
     used.insert(used.end(), {p.first, p.second});
     ++count;

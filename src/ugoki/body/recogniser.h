@@ -250,7 +250,7 @@ class Recogniser {
         const double ratio = leg.length / arm.length;
         score -= 3 * square(ugoki::log(ratio / 1.15) / ugoki::log(2.0));
         score += 6 * std::min(0.5, (leg.length + arm.length) / size_);
-        score += is_below(arms.from, legs.from) ? 0.7 : 0;
+        score += is_below(arms.from, legs.from) ? 1.4 : 0;
         const double height =
             (mean_height(arm.leaf) + mean_height(arm2.leaf) - mean_height(leg.leaf) - mean_height(leg2.leaf)) / (leg.length + leg2.length);
         score += 2 * std::clamp(2 * height, -1.0, 1.0);
@@ -523,6 +523,10 @@ class Recogniser {
   /// the arms are as low as the ends of the legs. A crawling person has bent legs, and a person who bends over does so for a part of the
   /// motion.
   [[nodiscard]] bool stands_on_four() const;
+  /// The last joint of a limb.
+  [[nodiscard]] int end_joint(const Limb& l) const;
+  /// True if the end of a joint's bone comes down to the lowest end of the four limbs, as a leg does.
+  [[nodiscard]] bool comes_down(int joint) const;
 
   /// Chooses the body plan from the number of limbs, the inclination of the trunk, the proportions and the names.
   void decide_plan();
