@@ -74,6 +74,8 @@ std::vector<std::pair<std::string, double*>> parameters(control::BalanceOptions&
           {"sole-share", &o.sole_share},
           {"pressure-reach", &o.pressure_reach},
           {"exact", &o.exact},
+          {"exact-uneven", &o.exact_uneven},
+          {"max-gap", &o.max_gap},
           {"heading-time", &o.heading_time},
           {"homing", &o.homing},
           {"max-homing", &o.max_homing},

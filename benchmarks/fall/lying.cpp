@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <random>
@@ -39,7 +40,9 @@ class Recovery {
       fall_.step(q, v, contacts, 0, dt, memory_, tau_, gain_, velocity_);
       if (memory_.mode != static_cast<std::uint64_t>(control::FallMode::ready)) return {tau_, gain_, velocity_};
       way_ = std::make_shared<const control::ReturnMotion>(mechanism_, track_, *fall_.plan(), 5.0, 0.0);
-      balance_.emplace(mechanism_, way_, control::BalanceOptions{});
+      control::BalanceOptions options;  // as the LSI `balance control` after a rise
+      options.press_margin = std::numeric_limits<double>::infinity();
+      balance_.emplace(mechanism_, way_, options);
       balance_memory_ = {};
       balance_memory_.time = way_->begin();
       const Placement place = way_->placement_at(q, balance_->feet());
@@ -116,11 +119,13 @@ LyingResult run_lying(const LyingSettings& settings) {
   const MechanismPtr& m = settings.mechanism;
   world::World world({m});
   world::WorldStepper stepper(world);
-  const auto track = std::make_shared<const control::StillMotion>([&] {
-    control::FallControl fall(m, {.get_up = true});
-    const control::GetUpPlan* plan = fall.make_plan();
-    return plan ? plan->way.back().q : m->neutral();
-  }(), 60.0);
+  const auto track = std::make_shared<const control::StillMotion>(
+      [&] {
+        control::FallControl fall(m, {.get_up = true});
+        const control::GetUpPlan* plan = fall.make_plan();
+        return plan ? plan->way.back().q : m->neutral();
+      }(),
+      60.0);
   std::vector<Pose> X(at(m->link_count()));
   calc_poses(*m, track->q(), X);
   const double standing = centre_of_mass(*m, X).z;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "balance_scene.h"
 #include "ugoki/control/foot_phase.h"
@@ -70,6 +71,121 @@ TEST(SwingPath, AFootThatLagsBehindItsGoalStaysOverTheEdge) {
   // A slope has no hump: the foot swings along it as planned.
   foot.bump = 0;
   EXPECT_EQ(path_over_obstacles(foot, goal, sole, 0.95).height, swing_path(foot, goal.p, goal.v, 0.95).height);
+}
+
+/// The standing sample human, pitched as a whole so that its toes are higher than its heels.
+class PitchedStand final : public ReferenceMotion {
+ public:
+  /// @param angle rad
+  PitchedStand(const Walker& w, double angle) : m_(w.body.mechanism), stand_(m_, motion_of(w.body, samples::make_human_stand()), 3) {
+    turn_.resize(static_cast<std::size_t>(m_->nv()));
+    const Vec3 axis = transpose_times(m_->link(0).joint.X_PJ.R, Vec3{0, -angle, 0});
+    for (int k = 0; k < 3; ++k) turn_[static_cast<std::size_t>(k)] = axis[k];
+  }
+  void sample(double t, std::span<double> q, std::span<double> v, std::span<double> a) const override {
+    stand_.sample(t, q, v, a);
+    integrate(*m_, q, turn_, 1, q);
+  }
+  [[nodiscard]] double end() const override { return stand_.end(); }
+
+ private:
+  MechanismPtr m_;
+  Looped stand_;
+  std::vector<double> turn_;
+};
+
+/// A character in the posture of its reference, whose lowest points of both soles touch level ground at z = 0.
+struct StandingSoles {
+  Walker w;
+  BalanceModel model;
+  GroundSupport support{model};
+  BalanceState state;
+  double heel = 1e9, toe = -1e9;  // m: x of the ends of the first foot
+
+  /// @param angle rad: pitch of the reference @param edge m: the ground is 2 cm lower at greater x
+  StandingSoles(double angle, double edge, const BalanceOptions& options = {})
+      : model(w.body.mechanism, std::make_shared<const PitchedStand>(w, angle), options, 0, ground(w, edge)) {
+    state.started = state.feet[0].stands = state.feet[1].stands = 1;
+    state.time = state.clock = 1;
+    model.sample_reference(state);
+    std::vector<double> q = model.q_ref;
+    move_to(q);
+    displace_root(*model.mechanism, {0, 0, -each_point([](const Vec3&, int) {}), 0}, q);
+    move_to(q);
+    std::vector<collision::ContactPoint> contacts;
+    each_point([&](const Vec3& p, int link) {
+      if (link == model.feet[0].link) heel = std::min(heel, p.x), toe = std::max(toe, p.x);
+      if (p.z > 5e-4 || p.x > edge) return;
+      collision::ContactPoint touch;
+      touch.system_a = 0;
+      touch.link_a = link;
+      touch.p = p;
+      touch.n = {0, 0, 1};
+      touch.friction = 0.9;
+      contacts.push_back(touch);
+    });
+    support.collect(model, {q, model.v_ref, contacts, 0, 0.002});
+  }
+  /// Number of points that are pressed down if the pressure has to be at the toes.
+  std::size_t pressed() {
+    support.find_bearing(model, state, {toe, 0, 0});
+    return support.hovering().size();
+  }
+
+ private:
+  static GroundMap ground(const Walker& w, double edge) {
+    LinkSpec link;
+    link.name = "ground";
+    link.joint.type = JointType::fixed;
+    link.shapes.push_back(Shape::box({200, 20, 0.5}, {Mat3::identity(), {edge - 200, 0, -0.5}}));
+    link.shapes.push_back(Shape::box({200, 20, 0.5}, {Mat3::identity(), {edge + 200, 0, -0.02 - 0.5}}));
+    MechanismSpec spec;
+    spec.name = "ground";
+    spec.links.push_back(std::move(link));
+    return {std::vector<MechanismPtr>{w.body.mechanism, Mechanism::make(std::move(spec)).value()}, 0, -100};
+  }
+  void move_to(std::span<const double> q) {
+    dynamics::update_kinematics(*model.mechanism, q, model.v_ref, model.now);
+    model.centroid = dynamics::calc_centroidal(*model.mechanism, model.now);
+  }
+  /// Calls f(lowest point, link) for each point of the soles. @return m: height of the lowest one
+  double each_point(const std::function<void(const Vec3&, int)>& f) const {
+    double lowest = 1e9;
+    for (const Foot& foot : model.feet)
+      for (const LinkPoint& point : foot.points) {
+        const Vec3 p = model.now.X_WB[static_cast<std::size_t>(point.link)] * point.location.p - Vec3{0, 0, point.location.radius};
+        f(p, point.link);
+        lowest = std::min(lowest, p.z);
+      }
+    return lowest;
+  }
+};
+
+TEST(GroundSupport, ASoleThatLandsOnItsHeelIsPressedDownIfTheLastStepsWereUneven) {
+  StandingSoles soles(0.03, 100);  // the reference has its toes 5 mm above its heels
+  ASSERT_GT(0.03 * (soles.toe - soles.heel), 0.004);
+  EXPECT_EQ(soles.pressed(), 0u) << "level ground: the sole keeps the pitch of the reference";
+  soles.state.feet[1].bump = 0.03;  // the other foot swung over an obstacle
+  EXPECT_GT(soles.pressed(), 0u);
+  // Toes that the reference lifts by more than its errors stay lifted.
+  StandingSoles lifted(0.1, 100);  // by 17 mm
+  lifted.state.feet[1].bump = 0.03;
+  lifted.pressed();
+  for (const HoveringPoint& h : lifted.support.hovering()) EXPECT_LT(h.p.x, 0.5 * (lifted.heel + lifted.toe));
+}
+
+TEST(GroundSupport, ASoleOnAnEdgeIsNotTippedOverIt) {
+  const StandingSoles whole(0, 100);
+  const double edge = 0.5 * (whole.heel + whole.toe);
+  StandingSoles soles(0, edge);
+  EXPECT_EQ(soles.pressed(), 0u);
+  BalanceOptions options;
+  options.max_gap = 1;
+  StandingSoles without(0, edge, options);
+  EXPECT_GT(without.pressed(), 0u);
+  // A sole whose foothold has the slope of this ground is pressed down.
+  for (BalanceState::FootState& foot : soles.state.feet) foot.tilt[0] = -0.3;
+  EXPECT_GT(soles.pressed(), 0u);
 }
 
 /// A plane through the origin that rises along x. @param angle rad

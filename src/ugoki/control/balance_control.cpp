@@ -10,17 +10,6 @@
 namespace ugoki::control {
 namespace {
 
-/// How uneven the ground of the last steps is, from 0 (level) to 1.
-double unevenness(const BalanceModel& model, const BalanceState& state) {
-  constexpr double level = 0.005, uneven = 0.02;  // m: rises and humps of steps that count as level, and fully as uneven
-  double share = norm(Vec3{state.tilt[0], state.tilt[1], 0}) / model.options.pace_slope;
-  for (std::size_t f = 0; f < model.feet.size(); ++f) {
-    const BalanceState::FootState& foot = state.feet[f];
-    share = std::max(share, (std::fabs(foot.to[2] - foot.from[2]) + foot.bump - level) / (uneven - level));
-  }
-  return share < 1e-6 ? 0 : std::min(share, 1.0);
-}
-
 /// Rate of the reference's time in an undisturbed step of a walk on uneven ground. The reference was made for level ground: its speed is
 /// not the one that its steps have uphill. A walker whose DCM is behind its reference takes its steps later, and one that is ahead takes
 /// them earlier. 1 for a character that stands, and before and after flights.

@@ -35,6 +35,8 @@ struct BalanceOptions {
   double hover = 2e-3, max_hover = 0.05;  ///< m: points of a standing sole that are this high above the ground are pressed down
   double exact =
       2e-3;  ///< m: on level ground, points of a sole that the reference has higher than this above its lowest point are not pressed down
+  double exact_uneven = 0.01;  ///< m: the same for level ground below a sole of a character whose last steps were on uneven ground
+  double max_gap = 0.012;      ///< m: points above ground that is lower than this below the plane of their foothold are not pressed down
   double hover_weight = 3000;  ///< weight of the tasks that press them down; the posture of the ankle holds a heel up with a smaller weight
   double press_margin = 0.02;  ///< m: on level ground, points of a measured sole are pressed down only if the wanted pressure is closer
                                ///< than this to the edge over which the foot tips, or behind it

@@ -1,6 +1,7 @@
 #include "ugoki/control/ground_support.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "ugoki/control/support_area.h"
 #include "ugoki/spatial/elementary.h"
@@ -9,6 +10,16 @@ namespace ugoki::control {
 namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 }  // namespace
+
+double unevenness(const BalanceModel& model, const BalanceState& state) {
+  constexpr double level = 0.005, uneven = 0.02;  // m: rises and humps of steps that count as level, and fully as uneven
+  double share = norm(Vec3{state.tilt[0], state.tilt[1], 0}) / model.options.pace_slope;
+  for (std::size_t f = 0; f < model.feet.size(); ++f) {
+    const BalanceState::FootState& foot = state.feet[f];
+    share = std::max(share, (std::fabs(foot.to[2] - foot.from[2]) + foot.bump - level) / (uneven - level));
+  }
+  return share < 1e-6 ? 0 : std::min(share, 1.0);
+}
 
 GroundSupport::GroundSupport(const BalanceModel& model) : touching_(model.feet.size()), blocked_(model.feet.size()) {
   contacts_.reserve(max_bearing);
@@ -100,11 +111,17 @@ void GroundSupport::find_hovering(const BalanceModel& model, const BalanceState&
     const double ground = model.map_height(state, p) + state.loose, gap = p.z - ground;
     lowest_ground = std::min(lowest_ground, ground);
     highest_ground = std::max(highest_ground, ground);
-    if (gap < hover || gap > o.max_hover) continue;
+    // A sole on an edge bears load at the edge and at one end. If it tipped until the other end touches, the first one would hover.
+    const BalanceState::FootState& foothold = state.feet[f];
+    const Vec3 from = p - model.sole(f);
+    const double plane = foothold.to[2] + foothold.tilt[0] * from.x + foothold.tilt[1] * from.y;
+    if (gap < hover || gap > o.max_hover || ground < plane - o.max_gap) continue;
     hovering_.push_back({static_cast<int>(f), point.link, p, gap, wanted.z - lowest});
   }
   const bool even = highest_ground - lowest_ground < level;
-  if (even) std::erase_if(hovering_, [&](const HoveringPoint& h) { return h.foot == static_cast<int>(f) && h.raised > o.exact; });
+  // On uneven ground, legs have other angles than in the reference, and a foot that lands on its heel does not become flat by itself.
+  const double tolerance = o.exact + unevenness(model, state) * std::max(0.0, o.exact_uneven - o.exact);
+  if (even) std::erase_if(hovering_, [&](const HoveringPoint& h) { return h.foot == static_cast<int>(f) && h.raised > tolerance; });
   if (hovering_.size() == first) return;
   Vec3 middle;
   for (std::size_t k = first; k < hovering_.size(); ++k) middle += hovering_[k].p;

@@ -33,6 +33,9 @@ struct HoveringPoint {
   double raised;  // m: height in the reference above the lowest point of the sole
 };
 
+/// How uneven the ground of the last steps is, from 0 (level) to 1.
+double unevenness(const BalanceModel& model, const BalanceState& state);
+
 /// Contacts of one tick, seen as support of a character.
 class GroundSupport {
  public:
