@@ -153,6 +153,15 @@ TEST(Recognise, StarsWithThousandsOfBranchesAreRecognisedInBoundedWork) {
   EXPECT_NE(recognise_character(star).plan, BodyPlan::human);
 }
 
+/// Adds all frames of a motion: each joint but the root swings about y. @param angle rad @param per_frame, per_joint rad of the phase
+void swing_joints(MeasuredMotion& m, double angle, double per_frame, double per_joint) {
+  for (int f = 0; f < m.frames; ++f)
+    for (int i = 0; i < m.joint_count(); ++i) {
+      m.translations.push_back(m.skeleton.joints[static_cast<std::size_t>(i)].offset);
+      m.rotations.push_back(i == 0 ? Quat{} : axis_angle({0, 1, 0}, angle * std::sin(per_frame * f + per_joint * i)));
+    }
+}
+
 /// An animal with four legs of four joints each, a neck, a head, and a pair of chains of four joints at the pelvis. All joints swing.
 /// @param pair name of the pair's joints
 MeasuredMotion animal_with_pair(const std::string& pair) {
@@ -183,11 +192,7 @@ MeasuredMotion animal_with_pair(const std::string& pair) {
     int i = pelvis;
     for (int k = 0; k < 4; ++k) i = add(pair + std::to_string(k + 1) + mark, i, {-0.1, 0.03 * side, -0.05});
   }
-  for (int f = 0; f < m.frames; ++f)
-    for (int i = 0; i < m.joint_count(); ++i) {
-      m.translations.push_back(m.skeleton.joints[static_cast<std::size_t>(i)].offset);
-      m.rotations.push_back(i == 0 ? Quat{} : axis_angle({0, 1, 0}, 0.2 * std::sin(0.3 * f + 0.9 * i)));
-    }
+  swing_joints(m, 0.2, 0.3, 0.9);
   return m;
 }
 
@@ -239,11 +244,7 @@ MeasuredMotion animal_with_raised_tail() {
       const Vec3 bones[] = {{hind ? 0.004 : 0.016, 0, hind ? -0.089 : -0.083}, {0.014, 0, -0.021}, {-0.008, 0, -0.027}};
       for (const Vec3& bone : bones) i = add(i, bone);
     }
-  for (int f = 0; f < m.frames; ++f)
-    for (int i = 0; i < m.joint_count(); ++i) {
-      m.translations.push_back(m.skeleton.joints[static_cast<std::size_t>(i)].offset);
-      m.rotations.push_back(i == 0 ? Quat{} : axis_angle({0, 1, 0}, 0.1 * std::sin(0.9 * f + 2.1 * i)));
-    }
+  swing_joints(m, 0.1, 0.9, 2.1);
   return m;
 }
 

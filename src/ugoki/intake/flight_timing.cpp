@@ -14,11 +14,11 @@ constexpr double max_push = 1.75;              // g upwards: a ground force of 2
 constexpr double max_fall = 1.5;               // g downwards: the reports name faster falls
 constexpr double friction = 0.9;               // of the ground
 constexpr double slowest = 0.16, fastest = 9;  // squared speeds
-constexpr double near_weight = 0.003;          // of the change of w, relative to accelerations in g, near what has to change
-constexpr double far_weight = 0.1;             // the same, elsewhere
-constexpr double near_time = 0.25;             // s
-constexpr double flight_weight = 0.03;         // of the difference of w in a flight from the value of its height
-constexpr double smooth_time = 0.04;           // s: the speed changes within about this time
+constexpr double near_weight = 0.003;   // of w - 1 within near_time of an impossible acceleration; accelerations in g have the weight 1
+constexpr double far_weight = 0.1;      // of w - 1 elsewhere
+constexpr double near_time = 0.25;      // s
+constexpr double flight_weight = 0.03;  // of the difference of w in a flight from the value of its height
+constexpr double smooth_time = 0.04;    // s: the speed changes within about this time
 constexpr double smooth_weight = 0.05;
 constexpr double bound_weight = 3;
 constexpr double air_course = 0.3, ground_course = 0.03;  // weights of horizontal accelerations that a change of the speed causes

@@ -32,7 +32,7 @@ struct Change {
   bool far = false;  ///< the legs bend much more than in the file
 };
 /// Gives jumps the timing of free fall (gravity_time.h), and lowers the root of a person or animal that hovers (hovering_heights).
-/// @param body made for the motion @return what was changed
+/// @param body the body that was made from the motion  @return the changes, for the report
 [[nodiscard]] std::vector<Change> suit_to_gravity(MeasuredMotion& measured, const body::Body& body);
 
 }  // namespace ugoki::intake
