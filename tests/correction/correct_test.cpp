@@ -121,6 +121,43 @@ TEST(Correction, KeyedJumpsBecomePhysical) {
   }
 }
 
+// A person who turns on the spot by 170 degrees on sliding soles, for example in a dance, still turns after the correction.
+TEST(Correction, TurnsOnTheGroundAreKept) {
+  const MeasuredMotion standing = samples::make_human_stand();
+  const body::Body body = body::make_body(standing, {.keep_unmoved = true}).value();
+  const Mechanism& m = *body.mechanism;
+  Motion motion = body::to_motion(body, standing);
+  const std::vector<double> q(motion.frame(0), motion.frame(0) + motion.nq);
+  motion.frames = static_cast<int>(2.5 * motion.rate) + 1;
+  motion.q.clear();
+  motion.contacts.clear();
+  for (int f = 0; f < motion.frames; ++f) {
+    const double s = std::clamp((f / motion.rate - 0.75) / 1.0, 0.0, 1.0);
+    std::vector<double> turned = q;
+    displace_root(m, {0, 0, 0, 3.0 * s * s * (3 - 2 * s)}, turned);
+    motion.q.insert(motion.q.end(), turned.begin(), turned.end());
+  }
+  CorrectionReport report;
+  const auto out = correct_motion(m, motion, {}, &report);
+  ASSERT_TRUE(out) << out.error().text();
+  EXPECT_LT(report.change_deg, 1);
+  EXPECT_LT(report.root_move_cm, 3);
+}
+
+// Feet of recordings slide by 2 to 3.5 cm in a stance. The legs remove this; the body keeps its way.
+TEST(Correction, RecordedWalksKeepTheirWay) {
+  if (!motion_edit::has_recordings()) GTEST_SKIP() << "the shared data were not found";
+  for (const auto& [skeleton, name] : {std::pair{"16", "16_15"}, std::pair{"35", "35_01"}, std::pair{"07", "07_01"}}) {
+    const MeasuredMotion measured = motion_edit::read_recording(skeleton, name);
+    const body::Body body = body::make_body(measured, {}).value();
+    CorrectionReport report;
+    ASSERT_TRUE(correct_motion(*body.mechanism, body::to_motion(body, measured), {}, &report));
+    EXPECT_LT(report.root_move_cm, 2) << name;
+    EXPECT_LT(report.after.skate_cm, 0.3) << name;
+    EXPECT_LT(report.after.residual_bw, 0.05) << name;
+  }
+}
+
 TEST(Correction, CorrectedMotionIsChangedLittleBySecondCorrection) {
   const Character c = walk();
   const auto once = correct_motion(c.m(), c.motion);

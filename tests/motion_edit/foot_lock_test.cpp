@@ -121,6 +121,33 @@ TEST(FootLock, SlidingFeetAreLocked) {
   }
 }
 
+// A foot that turns about a vertical axis, as in a pirouette, keeps its path: its pivot is not known. The foot of a walk is not such a
+// foot.
+TEST(FootLock, TurningFeetKeepTheirPaths) {
+  const Character human = human_walk();
+  const Motion walk = unrolled(human.m(), human.motion, 2);
+  const FootContacts contacts = find_contacts(human.m(), walk);
+  const std::vector<FootPath> walking = foot_paths(human.m(), walk, contacts);
+  for (const FootPath& path : walking) EXPECT_EQ(std::ranges::count(turning_frames(path, walk.rate), 1), 0);
+  const double rate = 100, ball = 0.13;  // frames per second; m: from the foot's origin to the pivot
+  FootPath path;
+  for (int f = 0; f <= 200; ++f) {  // still for 0.5 s, a turn by 120 degrees within 1 s about the pivot, and still again
+    const double s = std::clamp((f / rate - 0.5) / 1.0, 0.0, 1.0), angle = 2.1 * s;
+    const Mat3 R = rotation_about({0, 0, 1}, angle);
+    path.X_WF.push_back({R, Vec3{ball, 0, 0} - R * Vec3{ball, 0, 0}});
+    path.bears.push_back(1);
+    for (const Vec3& p : {Vec3{-0.05, 0.04, 0}, Vec3{-0.05, -0.04, 0}, Vec3{0.2, 0.04, 0}, Vec3{0.2, -0.04, 0}})
+      path.points.push_back({p, 0});
+  }
+  EXPECT_NEAR(static_cast<double>(std::ranges::count(turning_frames(path, rate), 1)), 100, 2);
+  std::vector<FootPath> pinned = {path};
+  pin_stances(pinned, rate, 0, 0.9, {});
+  for (std::size_t f = 0; f < path.X_WF.size(); ++f) {
+    EXPECT_LT(norm(pinned[0].X_WF[f].p - path.X_WF[f].p), 0.004) << f;
+    EXPECT_LT(norm(log_map(to_quat(pinned[0].X_WF[f].R * path.X_WF[f].R.transposed()))), 0.03) << f;
+  }
+}
+
 TEST(FootLock, JointsStaySmooth) {
   const Character character = human_walk();
   const Motion walk = unrolled(character.m(), character.motion, 3);

@@ -142,7 +142,9 @@ FootSchedule::FootSchedule(const Mechanism& m, std::span<const Foot> feet, const
       f = to;
     }
   find_flights(on, height, rate);
-  for (std::size_t k = 0; k < feet.size(); ++k) find_turns(k, on[k], yaw_rate[k], rate);
+  for (std::size_t k = 0; k < feet.size(); ++k)
+    for (const auto& [begin, end] : find_turns(on[k], yaw_rate[k], rate))
+      turns_[k].push_back({static_cast<double>(begin) / rate, static_cast<double>(end) / rate, {}, {}});
 }
 
 void FootSchedule::use_known_contacts(const Mechanism& m, std::span<const Foot> feet, const ReferenceMotion& motion,
@@ -154,18 +156,6 @@ void FootSchedule::use_known_contacts(const Mechanism& m, std::span<const Foot> 
     known_[f] = 1;
     for (std::size_t k = 0; k < feet.size(); ++k)
       on[k][f] = std::ranges::any_of(feet[k].parts, [&](int link) { return links[idx(link)] != 0; }) ? 1 : 0;
-  }
-}
-
-void FootSchedule::find_turns(std::size_t foot, std::span<const std::uint8_t> stands, std::span<const double> yaw_rate, double rate) {
-  constexpr double min_rate = 0.5, min_angle = 0.35;  // rad/s, rad: feet in the stance of recorded walks turn by less
-  const auto turning = [&](std::size_t f) { return stands[f] && std::fabs(yaw_rate[f]) > min_rate; };
-  for (std::size_t f = 0; f < stands.size();) {
-    std::size_t to = f;
-    double angle = 0;
-    for (; to < stands.size() && turning(to) && yaw_rate[to] * yaw_rate[f] > 0; ++to) angle += yaw_rate[to] / rate;
-    if (std::fabs(angle) > min_angle) turns_[foot].push_back({static_cast<double>(f) / rate, static_cast<double>(to) / rate, {}, {}});
-    f = std::max(to, f + 1);
   }
 }
 

@@ -79,8 +79,6 @@ class FootSchedule {
   [[nodiscard]] bool knows_contacts(double t) const;
 
  private:
-  void find_turns(std::size_t foot, std::span<const std::uint8_t> stands, std::span<const double> yaw_rate, double rate);
-
   /// Replaces labels by the contacts that the motion knows. @param on [feet][frames, in, out]
   void use_known_contacts(const Mechanism& mechanism, std::span<const Foot> feet, const ReferenceMotion& motion,
                           std::span<std::vector<std::uint8_t>> on);

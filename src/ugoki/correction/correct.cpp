@@ -16,6 +16,7 @@
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/pass_through.h"
 #include "ugoki/motion_edit/edit.h"
+#include "ugoki/motion_edit/foot_lock.h"
 #include "ugoki/motion_edit/rounds.h"
 
 namespace ugoki::correction {
@@ -28,39 +29,74 @@ constexpr double settling = 2;       // s of further cycles on both sides of a c
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+/// Slide [frames] m of a standing foot from the frame before, as the mean of its loaded points. Zero where the foot turns about a vertical
+/// axis: its pivot is not known. Slides of up to `tolerance` [m] in a stance are errors of measurement, which the legs remove.
+std::vector<Vec3> slides_of(const Mechanism& m, const Motion& motion, const FootContacts& contacts, const motion_edit::FootPath& path,
+                            std::size_t foot, double tolerance) {
+  constexpr double loaded = 0.012;  // m: points this far above the lowest one carry no load, as in FootLockOptions
+  std::vector<Vec3> out(at(motion.frames));
+  const std::vector<std::uint8_t> turns = motion_edit::turning_frames(path, motion.rate);
+  const std::vector<LinkPoint>& points = contacts.feet[foot].points;
+  std::vector<Pose> X(at(m.link_count())), before(X.size());
+  for (std::size_t f = 0; f < out.size(); ++f) {
+    std::swap(X, before);
+    calc_poses(m, {motion.frame(static_cast<int>(f)), at(motion.nq)}, X);
+    if (f == 0 || !path.bears[f] || !path.bears[f - 1] || turns[f]) continue;
+    const auto height = [&](const LinkPoint& p) { return (X[at(p.link)] * p.location.p).z - p.location.radius; };
+    double low = 1e300, weight = 0;
+    for (const LinkPoint& p : points) low = std::min(low, height(p));
+    for (const LinkPoint& p : points) {
+      const double above = (height(p) - low) / loaded;
+      if (above >= 1) continue;
+      const Vec3 point = p.location.p + transpose_times(X[at(p.link)].R, Vec3{0, 0, -p.location.radius});
+      const double w = (1 - above) * (1 - above);
+      out[f] += (X[at(p.link)] * point - before[at(p.link)] * point) * w;
+      weight += w;
+    }
+    out[f] = {out[f].x / weight, out[f].y / weight, 0};
+  }
+  for (std::size_t f = 0; f < out.size();) {
+    std::size_t end = f;
+    Vec3 sum;
+    for (; end < out.size() && path.bears[end] == path.bears[f]; ++end) sum += out[end];
+    const double share = std::max(0.0, 1 - tolerance / std::max(norm(sum), tolerance));
+    for (; f < end; ++f) out[f] = out[f] * share;
+  }
+  return out;
+}
+
 /// Moves the whole character so that the feet in contact rest on the ground on the average: removes the drift of the root over the ground,
 /// and the height of feet that hover or sink together.
 /// @param origin frame that stays at its place over the ground
 void anchor(const Mechanism& m, const FootContacts& contacts, int origin, Motion& motion) {
-  constexpr double loaded = 0.012;  // m: points this far above the lowest one carry no load, as in FootLockOptions
+  constexpr double tolerance = 0.04;  // m, for a leg of 0.9 m: feet of captures slide by 2 to 3.5 cm in a stance
   const std::size_t n = at(motion.frames);
   std::vector<double> x(n), y(n), weight(n), lift(n), standing(n);
-  std::vector<Pose> X(at(m.link_count())), before(X.size());
+  std::vector<Pose> X(at(m.link_count()));
   const std::vector<LinkPoint> others = other_points(m, contacts);
   const double size = motion_edit::mean_leg_length(contacts.feet) / 0.9;
+  const std::vector<motion_edit::FootPath> paths = motion_edit::foot_paths(m, motion, contacts);
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    const std::vector<Vec3> slides = slides_of(m, motion, contacts, paths[k], k, tolerance * size);
+    for (std::size_t f = 1; f < n; ++f) {
+      if (!contacts.bears[k][f] || !contacts.bears[k][f - 1]) continue;
+      x[f] += slides[f].x;
+      y[f] += slides[f].y;
+      weight[f] += 1;
+    }
+  }
   for (std::size_t f = 0; f < n; ++f) {
     calc_poses(m, {motion.frame(static_cast<int>(f)), at(motion.nq)}, X);
+    const auto height = [&](const LinkPoint& p) { return (X[at(p.link)] * p.location.p).z - p.location.radius; };
     for (std::size_t k = 0; k < contacts.feet.size(); ++k) {
       if (!contacts.bears[k][f]) continue;
       double low = 1e300;
-      const auto height = [&](const LinkPoint& p) { return (X[at(p.link)] * p.location.p).z - p.location.radius; };
       for (const LinkPoint& p : contacts.feet[k].points) low = std::min(low, height(p));
       lift[f] -= low;
       standing[f] += 1;
-      if (f == 0 || !contacts.bears[k][f - 1]) continue;
-      for (const LinkPoint& p : contacts.feet[k].points) {
-        const double above = (height(p) - low) / loaded;
-        if (above >= 1) continue;
-        const Vec3 point = p.location.p + transpose_times(X[at(p.link)].R, Vec3{0, 0, -p.location.radius});
-        const Vec3 slide = X[at(p.link)] * point - before[at(p.link)] * point;
-        const double w = (1 - above) * (1 - above);
-        x[f] += w * slide.x;
-        y[f] += w * slide.y;
-        weight[f] += w;
-      }
     }
     double trunk = 1e300;  // a trunk, a knee or another link on the floor stays there
-    for (const LinkPoint& p : others) trunk = std::min(trunk, (X[at(p.link)] * p.location.p).z - p.location.radius);
+    for (const LinkPoint& p : others) trunk = std::min(trunk, height(p));
     if (std::fabs(trunk) < other_height * size) {
       lift[f] = -trunk;
       standing[f] = 1;
@@ -71,7 +107,6 @@ void anchor(const Mechanism& m, const FootContacts& contacts, int origin, Motion
       weight[f] = 1;
     }
     if (standing[f] > 0) lift[f] /= standing[f];
-    std::swap(X, before);
   }
   const double stiffness = anchor_time * motion.rate * anchor_time * motion.rate;
   x = pass_through(x, weight, stiffness);

@@ -109,6 +109,21 @@ std::vector<std::uint8_t> find_contact(std::span<const std::vector<Pose>> poses,
   return on;
 }
 
+std::vector<std::pair<std::size_t, std::size_t>> find_turns(std::span<const std::uint8_t> stands, std::span<const double> yaw_rate,
+                                                            double rate) {
+  constexpr double min_rate = 0.5, min_angle = 0.35;  // rad/s, rad
+  std::vector<std::pair<std::size_t, std::size_t>> out;
+  const auto turning = [&](std::size_t f) { return stands[f] && std::fabs(yaw_rate[f]) > min_rate; };
+  for (std::size_t f = 0; f < stands.size();) {
+    std::size_t to = f;
+    double angle = 0;
+    for (; to < stands.size() && turning(to) && yaw_rate[to] * yaw_rate[f] > 0; ++to) angle += yaw_rate[to] / rate;
+    if (std::fabs(angle) > min_angle) out.emplace_back(f, to);
+    f = std::max(to, f + 1);
+  }
+  return out;
+}
+
 void label_contacts(const Mechanism& mechanism, Motion& motion, std::span<const int> links, const ContactLabelOptions& o) {
   motion.contacts.clear();
   std::vector<std::vector<Pose>> poses(at(motion.frames), std::vector<Pose>(at(mechanism.link_count())));

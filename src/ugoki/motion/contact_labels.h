@@ -1,7 +1,9 @@
 #pragma once
 // Detects in which animation frames each foot of a motion is in contact with the ground. "Frame" without an owner: animation frame.
 
+#include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "ugoki/motion/motion.h"
@@ -45,6 +47,13 @@ struct LinkPoint {
 /// @param poses [frames][links] world poses of all links  @param rate frames per second
 [[nodiscard]] std::vector<std::uint8_t> find_contact(std::span<const std::vector<Pose>> poses, double rate,
                                                      std::span<const LinkPoint> places, const ContactLabelOptions& options = {});
+
+/// Finds the turns of a standing foot about a vertical axis, for example of a pirouette: frames in which it turns faster than 0.5 rad/s, by
+/// more than 20 degrees in one direction. Feet in the stances of recorded walks turn by less.
+/// @param stands [frames] 1: the foot stands @param yaw_rate [frames] rad/s @param rate frames per second
+/// @return first frame of each turn and the frame behind its last one
+[[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> find_turns(std::span<const std::uint8_t> stands,
+                                                                          std::span<const double> yaw_rate, double rate);
 
 /// Replaces motion.contacts by one track per given link, in this order. A link is in contact while any of its support points is low and
 /// slow, so that heel strike, flat foot and toe-off belong to one contact. O(frames * links).

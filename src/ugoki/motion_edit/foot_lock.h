@@ -36,8 +36,12 @@ struct FootLockReport {
 /// Returns the paths of the feet in the motion, one for each foot.
 [[nodiscard]] std::vector<FootPath> foot_paths(const Mechanism& mechanism, const Motion& motion, const FootContacts& contacts);
 
+/// Frames in which a standing foot turns about a vertical axis (find_turns). @param rate frames per second
+[[nodiscard]] std::vector<std::uint8_t> turning_frames(const FootPath& path, double rate);
+
 /// Changes the paths so that standing feet neither slide nor twist. In each stance the foot rolls without slipping over the loaded points
-/// of its sole, from heel to toe. The mean position and heading of each stance are kept. Between stances the correction is interpolated.
+/// of its sole, from heel to toe. The mean position and heading of each stance are kept. A foot that turns about a vertical axis
+/// (find_turns) moves as before, because its pivot is not known. Between stances the correction is interpolated.
 /// @param rate frames per second  @param ground m, height of the ground  @param leg m, mean_leg_length
 void pin_stances(std::vector<FootPath>& paths, double rate, double ground, double leg, const FootLockOptions& options);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ugoki/mechanism/state.h"
+#include "ugoki/motion/contact_labels.h"
 #include "ugoki/motion/pass_through.h"
 #include "ugoki/motion_edit/foot_lock.h"
 
@@ -27,6 +28,7 @@ class Pinning {
   void run() {
     if (n_ == 0 || count_ == 0) return;
     if (o_.keep_on_ground) bring_to_ground();
+    turns_ = turning_frames(path_, rate_);
     yaw_.assign(n_, 0.0);
     move_.assign(n_, Vec3{});
     std::vector<std::pair<std::size_t, std::size_t>> stances;
@@ -104,7 +106,10 @@ class Pinning {
       a = a / sum;
       b = b / sum;
       bearing[f - first] = b;
-      if (f > first) {
+      if (f > first && turns_[f]) {
+        const Vec3& last_bearing = bearing[f - first - 1];
+        shift += (R_before * last_bearing - last_bearing) - (R_before * b - b);  // the displacement of the foot stays
+      } else if (f > first) {
         double turn = 0, lever = twist_radius * twist_radius * size_ * size_;
         for (std::size_t i = 0; i < count_; ++i) {
           const Vec3 u = R_before * (is[i] - b), v = was[i] - a;
@@ -163,8 +168,9 @@ class Pinning {
   double rate_, ground_, size_;
   const FootLockOptions& o_;
   std::size_t n_, count_ = 0;
-  std::vector<double> yaw_;  // [frames] rad, correction
-  std::vector<Vec3> move_;   // [frames] m, correction of the foot's origin
+  std::vector<std::uint8_t> turns_;  // [frames] 1: the foot turns about a vertical axis
+  std::vector<double> yaw_;          // [frames] rad, correction
+  std::vector<Vec3> move_;           // [frames] m, correction of the foot's origin
 };
 
 }  // namespace
@@ -184,6 +190,16 @@ std::vector<FootPath> foot_paths(const Mechanism& m, const Motion& motion, const
   }
   for (std::size_t k = 0; k < paths.size(); ++k) paths[k].bears = contacts.bears[k];
   return paths;
+}
+
+std::vector<std::uint8_t> turning_frames(const FootPath& path, double rate) {
+  const std::size_t n = path.X_WF.size();
+  std::vector<double> yaw_rate(n);
+  for (std::size_t f = 0; f + 1 < n; ++f) yaw_rate[f] = log_map(to_quat(path.X_WF[f + 1].R * path.X_WF[f].R.transposed())).z * rate;
+  std::vector<std::uint8_t> out(n, 0);
+  for (const auto& [begin, end] : find_turns(path.bears, yaw_rate, rate))
+    std::fill(out.begin() + static_cast<std::ptrdiff_t>(begin), out.begin() + static_cast<std::ptrdiff_t>(end), std::uint8_t{1});
+  return out;
 }
 
 void pin_stances(std::vector<FootPath>& paths, double rate, double ground, double leg, const FootLockOptions& options) {
