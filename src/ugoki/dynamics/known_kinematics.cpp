@@ -7,7 +7,7 @@ namespace ugoki::dynamics {
 namespace {
 
 bool equal(const std::vector<double>& a, std::span<const double> b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), b.size_bytes()) == 0;
+  return a.size() == b.size() && (b.empty() || std::memcmp(a.data(), b.data(), b.size_bytes()) == 0);
 }
 
 }  // namespace
