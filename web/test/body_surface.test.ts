@@ -48,6 +48,50 @@ describe('the surface of a body', () => {
     }
   });
 
+  it('draws links that are thinner than the cells of the grid as their shapes, each bound to its link', () => {
+    const thin = 0.009; // m; a cell has 24 mm
+    const finger = { label: '', parent: 7, at: [0.3, 0, 2.3] as [number, number, number] };
+    const shapes = [
+      { type: 'capsule', radius: thin, half_length: 0.03 },
+      { type: 'ellipsoid', half_extents: [0.05, thin, thin] },
+      { type: 'box', half_extents: [0.04, 0.03, thin] },
+    ];
+    // exact volumes of the capsule and the ellipsoid, m^3
+    const exact = [Math.PI * thin ** 2 * 0.06 + (4 / 3) * Math.PI * thin ** 3, (4 / 3) * Math.PI * 0.05 * thin ** 2];
+    const turned = { pose: [0.1, 0.02, 0, Math.cos(0.4), 0, Math.sin(0.4), 0] };
+    shapes.forEach((shape, kind) => {
+      const arm: Link[] = chain.links.map((l, i) => ({ label: l.label!, parent: i - 1, at: [0, 0, 0.3 * i], shape: l.shapes[0]! }));
+      const hand = mechanism([...arm, { ...finger, shape: { ...shape, ...turned } }]);
+      const surface = make_body_surface(hand)!;
+      const [skin, weight, normal] = ['skinIndex', 'skinWeight', 'normal'].map((name) => surface.geometry.getAttribute(name));
+      const p = points(surface);
+      const to_part = new THREE.Matrix4().makeTranslation(0.4, 0.02, 2.3).multiply(new THREE.Matrix4().makeRotationFromQuaternion(new THREE.Quaternion(0, Math.sin(0.4), 0, Math.cos(0.4)))).invert();
+      const field = new BodyField(hand, bind_poses(hand));
+      for (const range of [surface.shown, ...surface.coarser, surface.shadow]) {
+        const own = [...new Set(indices(surface, range))].filter((i) => skin!.getX(i) === 8);
+        expect(own.length).toBeGreaterThan(15);
+        for (const i of own) {
+          expect(weight!.getX(i)).toBe(1);
+          expect(Math.abs(field.link_distance(field.links[8]!, p[i]!.x, p[i]!.y, p[i]!.z))).toBeLessThan(2e-5);
+          const e = 1e-5;
+          const n = new THREE.Vector3().fromBufferAttribute(normal!, i);
+          const out = p[i]!.clone().addScaledVector(n, e);
+          expect(field.link_distance(field.links[8]!, out.x, out.y, out.z)).toBeGreaterThan(0.8 * e);
+        }
+        const triangles = [...indices(surface, range)];
+        let enclosed = 0;
+        for (let k = 0; k < triangles.length; k += 3) {
+          if (skin!.getX(triangles[k]!) !== 8) continue;
+          const [a, b, c] = triangles.slice(k, k + 3).map((i) => p[i]!.clone().applyMatrix4(to_part));
+          enclosed += a!.dot(b!.clone().cross(c!)) / 6;
+        }
+        if (exact[kind]) expect(enclosed / exact[kind]).toBeGreaterThan(range === surface.shown ? 0.87 : 0.6);
+        if (exact[kind]) expect(enclosed / exact[kind]).toBeLessThan(1);
+        expect(enclosed).toBeGreaterThan(0);
+      }
+    });
+  });
+
   it('has the shape of spheres that are not connected by overlap', () => {
     const surface = made.spheres;
     const centres = spheres.links.map((l) => new THREE.Vector3(...(l.neutral!.slice(0, 3) as [number, number, number])));

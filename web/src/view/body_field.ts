@@ -80,7 +80,7 @@ function part_distance(part: Part, px: number, py: number, pz: number): number {
 /** A link with its shapes in the bind pose. */
 export interface FieldLink {
   index: number;
-  /** Index into BodyField.links. */
+  /** Index into BodyField.links; -1: the link is too thin. */
   number: number;
   parts: Part[];
   /** The nearest ancestor with shapes; null: none. */
@@ -154,6 +154,8 @@ const smooth_min = (a: number, b: number, k: number): number => {
 
 export class BodyField {
   readonly links: FieldLink[] = [];
+  /** Links of the body that are too thin for the field. */
+  readonly thin: FieldLink[] = [];
   /** Links that distance() considers. */
   private near: FieldLink[];
   /** Distances from the links that distance() has computed at its present point; `known_at` is the number of its point. */
@@ -161,7 +163,8 @@ export class BodyField {
   private readonly known_at: Int32Array;
   private point = 0;
 
-  constructor(mechanism: MechanismData, readonly bind: readonly THREE.Matrix4[]) {
+  /** @param thinnest m: links with a smaller radius are not part of the field */
+  constructor(mechanism: MechanismData, readonly bind: readonly THREE.Matrix4[], thinnest = 0) {
     const by_index = new Map<number, FieldLink>();
     const of_body = parts_of_body(mechanism);
     mechanism.links.forEach((link, index) => {
@@ -174,13 +177,24 @@ export class BodyField {
       while (ancestor >= 0 && !by_index.has(ancestor)) ancestor = mechanism.links[ancestor]!.parent;
       const parent = by_index.get(ancestor) ?? null;
       const radius = Math.max(...parts.map((p) => p.radius));
-      const made: FieldLink = { index, number: this.links.length, parts, parent, centre, reach, radius, blend: blend_of_radius * Math.min(radius, parent?.radius ?? radius) };
-      by_index.set(index, made);
-      this.links.push(made);
+      const thin = radius < thinnest;
+      const made: FieldLink = { index, number: thin ? -1 : this.links.length, parts, parent, centre, reach, radius, blend: blend_of_radius * Math.min(radius, parent?.radius ?? radius) };
+      if (thin) this.thin.push(made);
+      else {
+        by_index.set(index, made);
+        this.links.push(made);
+      }
     });
     this.near = [...this.links];
     this.known = new Float64Array(this.links.length);
     this.known_at = new Int32Array(this.links.length);
+  }
+
+  /** A box around the field. */
+  box(): THREE.Box3 {
+    const box = new THREE.Box3();
+    for (const link of this.links) box.union(new THREE.Box3().setFromCenterAndSize(link.centre, new THREE.Vector3().setScalar(2 * (link.reach + link.blend))));
+    return box;
   }
 
   /** Signed distance of a point from one link, m. */

@@ -3,6 +3,7 @@ import { MeshoptSimplifier } from 'meshoptimizer/simplifier';
 import * as THREE from 'three';
 import type { MechanismData } from '../core/protocol';
 import { BodyField, bind_poses, is_body, type FieldLink } from './body_field';
+import { thin_shapes } from './thin_links';
 
 export interface BodySurface {
   /** Attributes position and normal (bind pose), skinIndex (links) and skinWeight. The draw range is the surface that is shown. */
@@ -26,7 +27,10 @@ export interface Level extends IndexRange {
   error: number;
 }
 
-const cells_over_height = 100; // 18 mm for a person of 1.8 m: fingers and toes of the samples have no shapes of their own
+const cells_over_height = 100; // 18 mm for a person of 1.8 m
+const thinnest = 0.7; // radius in cells: thinner links, for example fingers, are drawn as their shapes
+const thin_segments = 10; // around a thin shape
+const coarse_thin_segments = 5; // from afar and for shadows: a finger of 8 mm radius deviates by 1.5 mm
 const rough_cells_over_height = 45; // a fifth of the work
 // Where the surface is flat, its triangles are joined. The bounds are in cells: an arm of 50 mm radius deviates by as much between its vertices.
 const shown_error = 0.055; // 1 mm for a person of 1.8 m
@@ -67,7 +71,7 @@ export function make_rough_surface(mechanism: MechanismData): { surface: BodySur
   const surface = surface_of(mechanism, (field) => finish(details_of(field, true)));
   if (!surface) return null;
   function* refine(rough: BodySurface): Work<void> {
-    set_details(rough, yield* details_of(new BodyField(mechanism, bind_poses(mechanism)), false));
+    set_details(rough, yield* details_of(field_of(mechanism, bind_poses(mechanism)), false));
   }
   return { surface, refine: refine(surface) };
 }
@@ -85,10 +89,18 @@ interface Details {
   shadow: IndexRange;
 }
 
+/** The field of all links that its grid can show. */
+function field_of(mechanism: MechanismData, bind: readonly THREE.Matrix4[]): BodyField {
+  const whole = new BodyField(mechanism, bind);
+  const size = whole.box().getSize(new THREE.Vector3());
+  const field = new BodyField(mechanism, bind, (thinnest * Math.max(size.x, size.y, size.z)) / cells_over_height);
+  return field.links.length > 0 ? field : whole;
+}
+
 function surface_of(mechanism: MechanismData, details: (field: BodyField) => Details): BodySurface | null {
   if (!is_body(mechanism) || mechanism.links.length > max_links) return null;
   const bind = bind_poses(mechanism);
-  const made = details(new BodyField(mechanism, bind));
+  const made = details(field_of(mechanism, bind));
   if (made.shown.count === 0) return null;
   const empty = { start: 0, count: 0 };
   const inverses = bind.map((m) => m.clone().invert());
@@ -115,8 +127,10 @@ function set_details(surface: BodySurface, made: Details): void {
 function* details_of(field: BodyField, rough: boolean): Work<Details> {
   const { positions, indices, cell } = yield* mesh_of(field, rough ? rough_cells_over_height : cells_over_height);
   const { normals, ...skin } = yield* settle(field, positions, cell);
-  const range = { start: 0, count: indices.length };
-  if (rough || indices.length === 0) return { positions, normals, ...skin, indices, shown: range, coarser: [], shadow: range };
+  if (rough || indices.length === 0) {
+    const made = with_thin_links(field, { positions, normals, ...skin }, [indices]);
+    return { ...made, shown: made.ranges[0]!, coarser: [], shadow: made.ranges[0]! };
+  }
   yield;
   const shown = join_flat(field, { positions, normals, ...skin, indices }, shown_error, cell);
   yield;
@@ -135,23 +149,33 @@ function* details_of(field: BodyField, rough: boolean): Work<Details> {
     return out;
   };
   const lists = [...levels, shadow].map((list) => list.map((i) => places[i]!));
-  const all = new Uint32Array([shown, ...lists].reduce((sum, list) => sum + list.length, 0));
-  let end = 0;
-  const [shown_range, ...ranges] = [shown, ...lists].map((list): IndexRange => {
-    all.set(list, end);
-    end += list.length;
-    return { start: end - list.length, count: list.length };
+  const vertices = { positions: kept(positions, 3), normals: kept(normals, 3), links: kept(skin.links, 4), weights: kept(skin.weights, 4) };
+  const { ranges, ...made } = with_thin_links(field, vertices, [shown, ...lists]);
+  return { ...made, shown: ranges[0]!, coarser: coarser_errors.map((error, i) => ({ ...ranges[i + 1]!, error: error * cell })), shadow: ranges.at(-1)! };
+}
+
+type Vertices = Pick<Details, 'positions' | 'normals' | 'links' | 'weights'>;
+
+/** Adds the shapes of the thin links to all lists of triangles, in less detail to all but the first, and puts the lists one behind the other. */
+function with_thin_links(field: BodyField, vertices: Vertices, lists: readonly Uint32Array[]): Vertices & { indices: Uint32Array; ranges: IndexRange[] } {
+  const count = vertices.positions.length / 3;
+  const fine = thin_shapes(field.thin, thin_segments, count);
+  const coarse = thin_shapes(lists.length > 1 ? field.thin : [], coarse_thin_segments, count + fine.positions.length / 3);
+  const indices: number[] = [];
+  const ranges = lists.map((list, i): IndexRange => {
+    const start = indices.length;
+    for (const part of [list, (i === 0 ? fine : coarse).indices]) for (const index of part) indices.push(index);
+    return { start, count: indices.length - start };
   });
-  return {
-    positions: kept(positions, 3),
-    normals: kept(normals, 3),
-    links: kept(skin.links, 4),
-    weights: kept(skin.weights, 4),
-    indices: all,
-    shown: shown_range!,
-    coarser: coarser_errors.map((error, i) => ({ ...ranges[i]!, error: error * cell })),
-    shadow: ranges.at(-1)!,
+  const joined = <A extends Float32Array | Uint16Array>(make: new (length: number) => A, key: 'positions' | 'normals' | 'links' | 'weights'): A => {
+    const own = vertices[key];
+    const out = new make(own.length + fine[key].length + coarse[key].length);
+    out.set(own);
+    out.set(fine[key], own.length);
+    out.set(coarse[key], own.length + fine[key].length);
+    return out;
   };
+  return { positions: joined(Float32Array, 'positions'), normals: joined(Float32Array, 'normals'), links: joined(Uint16Array, 'links'), weights: joined(Float32Array, 'weights'), indices: new Uint32Array(indices), ranges };
 }
 
 /** Joins triangles where the surface is flat and where all vertices follow the links alike. @param error in cells @param cell edge of a cell, m */
@@ -199,8 +223,7 @@ class Grid {
   private readonly steps: [number, number, number];
 
   constructor(private readonly field: BodyField, cells: number) {
-    const box = new THREE.Box3();
-    for (const link of field.links) box.union(new THREE.Box3().setFromCenterAndSize(link.centre, new THREE.Vector3().setScalar(2 * (link.reach + link.blend))));
+    const box = field.box();
     const size = box.getSize(new THREE.Vector3());
     const h = (this.h = Math.max(size.x, size.y, size.z) / cells);
     const nx = (this.nx = Math.ceil(size.x / h) + 3);
