@@ -10,6 +10,7 @@
 #include "measured_files.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/measures.h"
+#include "ugoki/samples/samples.h"
 
 namespace ugoki::body {
 namespace {
@@ -42,6 +43,18 @@ TEST(Floor, LevelFloorStaysLevel) {
   const MeasuredMotion measured = testing::made_character(600, 0.1, 0);
   const auto body = make_body(measured);
   EXPECT_EQ(fit_floor(measured, body->soles, body->height).tilt, 0);
+}
+
+// In place, feet are slow only where they turn back, which is in the air at the front.
+TEST(Floor, WalkInPlaceHasTheFloorOfTheWalk) {
+  const MeasuredMotion walk = samples::make_human_walk();
+  const Body body = make_body(walk, {.keep_unmoved = true}).value();
+  const std::size_t n = walk.skeleton.joints.size(), last = static_cast<std::size_t>(walk.frames - 1);
+  MeasuredMotion spot = walk;
+  const Vec3 way = walk.translations[last * n] - walk.translations[0];
+  for (std::size_t f = 0; f <= last; ++f)
+    spot.translations[f * n] -= Vec3{way.x, way.y, 0} * (static_cast<double>(f) / static_cast<double>(last));
+  EXPECT_NEAR(calc_floor_pose(body, spot).p.z, calc_floor_pose(body, walk).p.z, 0.003);
 }
 
 // As on a treadmill: low feet slide at 1.5 m/s, and feet 0.2 m above the floor rest for a moment.

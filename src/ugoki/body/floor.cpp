@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "ugoki/motion/missing_travel.h"
+
 namespace ugoki::body {
 namespace {
 
@@ -26,11 +28,34 @@ struct Track {
   std::vector<double> speed;  ///< m/s, maximum of ankle and ball
 };
 
-std::vector<Track> track_feet(const MeasuredMotion& m, std::span<const Sole> soles) {
+/// Gives a character that walks in place the travel of its steps: its standing feet are as fast as the belt of a treadmill, and slow where
+/// they turn back in the air. @param root [frames] m
+void add_missing_travel(std::span<const Vec3> root, double rate, double height, std::vector<Track>& tracks) {
+  const int frames = static_cast<int>(root.size()), span = std::max(1, static_cast<int>(0.03 * rate));
+  std::vector<FootTrack> feet(tracks.size());
+  for (std::size_t s = 0; s < tracks.size(); ++s)
+    for (int f = 0; f < frames; ++f) {
+      const int before = std::max(0, f - span), after = std::min(frames - 1, f + span);
+      feet[s].height.push_back(tracks[s].ball[at(f)].z);
+      feet[s].velocity.push_back((tracks[s].ball[at(after)] - tracks[s].ball[at(before)]) * (rate / std::max(1, after - before)));
+    }
+  const MissingTravel travel = find_missing_travel(feet, root, rate, 0.5 * height);
+  if (!travel.exists()) return;
+  for (Track& t : tracks)
+    for (std::size_t f = 0; f < root.size(); ++f) {
+      t.ankle[f] += travel.shift[f];
+      t.ball[f] += travel.shift[f];
+    }
+}
+
+/// @param height m, of the person
+std::vector<Track> track_feet(const MeasuredMotion& m, std::span<const Sole> soles, double height) {
   std::vector<Track> tracks(soles.size());
+  std::vector<Vec3> root;
   std::vector<Pose> X;
   for (int f = 0; f < m.frames; ++f) {
     m.calc_joint_poses(f, X);
+    root.push_back(X[0].p);
     for (std::size_t s = 0; s < soles.size(); ++s) {
       const Pose& foot = X[at(soles[s].foot)];
       tracks[s].ankle.push_back(foot.p);
@@ -39,6 +64,7 @@ std::vector<Track> track_feet(const MeasuredMotion& m, std::span<const Sole> sol
       tracks[s].R_toes.push_back(soles[s].toes >= 0 ? X[at(soles[s].toes)].R : foot.R);
     }
   }
+  add_missing_travel(root, m.rate, height, tracks);
   for (Track& t : tracks) {
     for (int f = 0; f < m.frames; ++f) {
       const int a = std::max(0, f - 1), b = std::min(m.frames - 1, f + 1);
@@ -155,7 +181,7 @@ FloorFit fit_floor(const MeasuredMotion& m, std::span<const Sole> soles, double 
   FloorFit fit;
   fit.stances.resize(soles.size());
   if (soles.empty() || m.frames < 1) return fit;
-  const std::vector<Track> tracks = track_feet(m, soles);
+  const std::vector<Track> tracks = track_feet(m, soles, height);
   const double scale = height / 1.7;
   // Raise the speed limit (m/s, for a person of 1.7 m) until at least 4 frames and 2 % of the frames qualify.
   std::size_t found = 0;

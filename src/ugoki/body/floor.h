@@ -26,7 +26,8 @@ struct FloorFit {
 /// Finds the frames in which each foot stands, and the floor's tilt if the stance positions determine it.
 /// A foot stands if ankle and ball are slower than 0.2 m/s (0.4 or 0.8 m/s if too few frames qualify; speeds scale with height / 1.7 m) and
 /// the ball is low: at most 4 cm (for 1.7 m) above the 10th percentile of the slow balls' heights. If feet go below the floor found from
-/// slow feet (walking on the spot), the frames with the lowest feet count instead. Ball heights are measured after levelling.
+/// slow feet (walking on the spot), the frames with the lowest feet count instead. A character that walks in place
+/// (motion/missing_travel.h) is looked at with the travel of its steps. Ball heights are measured after levelling.
 /// @param height m, of the person
 [[nodiscard]] FloorFit fit_floor(const MeasuredMotion& motion, std::span<const Sole> soles, double height);
 
