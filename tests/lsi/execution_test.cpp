@@ -311,6 +311,28 @@ TEST(Track, BlendBetweenClipsIsSmooth) {
   EXPECT_GT(maximum, 0.2);
 }
 
+// The reference of a motion with few frames a second has more frames; the labels of contacts stay those of the motion.
+TEST(Track, StancesOfSlowMotionsAreThoseOfTheirLabels) {
+  const MechanismPtr m = make_character();
+  Motion motion = *make_sway(*m, 4);
+  motion.rate = 30;
+  ContactTrack labels{m->link(1).name, {}};
+  for (int f = 0; f < motion.frames; ++f) labels.on.push_back(f / 7 % 2 == 0 ? 1 : 0);
+  motion.contacts = {labels};
+  TrackClip clip;
+  clip.motion = std::make_shared<const Motion>(motion);
+  clip.clip.length = motion.duration();
+  const int foot = 1;
+  for (const bool smooth : {false, true}) {
+    const TrackSampler track(m, {clip}, {&foot, 1}, smooth);
+    std::vector<double> reference(track.layout().size());
+    for (int f = 0; f < motion.frames; ++f) {
+      track.sample(f / motion.rate, reference);
+      ASSERT_EQ(reference[track.layout().stance()], labels.on[static_cast<std::size_t>(f)]) << f << " of " << motion.frames;
+    }
+  }
+}
+
 TEST(Pull, IsSpringAndDamperForSmallStepsAndStableForLargeSteps) {
   const MechanismPtr ball = make_ball();
   dynamics::Workspace ws(*ball);

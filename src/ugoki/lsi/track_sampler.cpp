@@ -89,8 +89,9 @@ void TrackSampler::sample_as(int clip, const Clip& placed, double t, std::span<d
   ugoki::sample(placed, motion, *mechanism_, t, reference.first(layout_.nq), reference.subspan(layout_.v(), layout_.nv),
                 reference.subspan(layout_.a(), layout_.nv));
   const double time = phase_of(placed, motion.duration(), t).time;
+  const Motion& labelled = *track_[i].motion;  // the reference can have more frames a second
   const auto frame =
-      static_cast<std::size_t>(std::clamp(std::floor(time * motion.rate() + 0.5), 0.0, static_cast<double>(motion.frames() - 1)));
+      static_cast<std::size_t>(std::clamp(std::floor(time * labelled.rate + 0.5), 0.0, static_cast<double>(labelled.frames - 1)));
   for (std::size_t k = 0; k < layout_.feet; ++k)
     reference[layout_.stance() + k] = stance_[motion_of_[i]][frame * layout_.feet + k] ? 1.0 : 0.0;
 }
