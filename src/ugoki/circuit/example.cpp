@@ -54,7 +54,7 @@ Result<void> give(Interpreter& interpreter, const ExampleMoment& m, const std::s
     return fail(ErrorCode::structure, location,
                 "'" + m.pin + "' is not an input, device pin or parameter of " + std::to_string(m.numbers.size()) + " numbers.",
                 "Name an input of the circuit, a pin of a device or a parameter, and give as many numbers as it has.");
-  std::memcpy(input.data(), m.numbers.data(), input.size());
+  if (!input.empty()) std::memcpy(input.data(), m.numbers.data(), input.size());
   return {};
 }
 

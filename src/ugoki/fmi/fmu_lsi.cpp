@@ -389,7 +389,7 @@ void Running::store(const Call* call) {
   head.given = are_discrete_given_;
   std::byte* given = to + sizeof head;
   visit_given([&given](void* values, std::size_t size) {
-    std::memcpy(given, values, size);
+    if (size > 0) std::memcpy(given, values, size);
     given += size;
   });
   const std::size_t first = sizeof head + given_bytes(class_.declaration);
@@ -425,7 +425,7 @@ void Running::recall(const Call* call) {
   are_discrete_given_ = head.given != 0;
   const std::byte* given = from + sizeof head;
   visit_given([&given](void* values, std::size_t size) {
-    std::memcpy(values, given, size);
+    if (size > 0) std::memcpy(values, given, size);
     given += size;
   });
   const std::size_t first = sizeof head + given_bytes(class_.declaration);

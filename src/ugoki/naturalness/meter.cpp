@@ -389,7 +389,7 @@ void Meter::save(std::span<double> out) const {
   UGOKI_CHECK(out.size() == memory_size());
   double* to = out.data();
   const auto put = [&](const void* from, std::size_t bytes) {
-    std::memcpy(to, from, bytes);
+    if (bytes > 0) std::memcpy(to, from, bytes);
     to += bytes / sizeof(double);
   };
   put(&sums_, sizeof sums_);
@@ -406,7 +406,7 @@ void Meter::restore(std::span<const double> in) {
   UGOKI_CHECK(in.size() == memory_size());
   const double* from = in.data();
   const auto get = [&](void* to, std::size_t bytes) {
-    std::memcpy(to, from, bytes);
+    if (bytes > 0) std::memcpy(to, from, bytes);
     from += bytes / sizeof(double);
   };
   get(&sums_, sizeof sums_);
