@@ -31,14 +31,8 @@ struct Track {
 /// Gives a character that walks in place the travel of its steps: its standing feet are as fast as the belt of a treadmill, and slow where
 /// they turn back in the air. @param root [frames] m
 void add_missing_travel(std::span<const Vec3> root, double rate, double height, std::vector<Track>& tracks) {
-  const int frames = static_cast<int>(root.size()), span = std::max(1, static_cast<int>(0.03 * rate));
-  std::vector<FootTrack> feet(tracks.size());
-  for (std::size_t s = 0; s < tracks.size(); ++s)
-    for (int f = 0; f < frames; ++f) {
-      const int before = std::max(0, f - span), after = std::min(frames - 1, f + span);
-      feet[s].height.push_back(tracks[s].ball[at(f)].z);
-      feet[s].velocity.push_back((tracks[s].ball[at(after)] - tracks[s].ball[at(before)]) * (rate / std::max(1, after - before)));
-    }
+  std::vector<FootTrack> feet;
+  for (const Track& t : tracks) feet.push_back(foot_track(t.ball, rate));
   const MissingTravel travel = find_missing_travel(feet, root, rate, 0.5 * height);
   if (!travel.exists()) return;
   for (Track& t : tracks)

@@ -53,13 +53,13 @@ std::vector<Vec3> slides_of(const Mechanism& m, const Motion& motion, const Foot
       out[f] += (X[at(p.link)] * point - before[at(p.link)] * point) * w;
       weight += w;
     }
-    out[f] = {out[f].x / weight, out[f].y / weight, 0};
+    if (weight > 0) out[f] = {out[f].x / weight, out[f].y / weight, 0};
   }
   for (std::size_t f = 0; f < out.size();) {
     std::size_t end = f;
     Vec3 sum;
     for (; end < out.size() && path.bears[end] == path.bears[f]; ++end) sum += out[end];
-    const double share = std::max(0.0, 1 - tolerance / std::max(norm(sum), tolerance));
+    const double share = norm(sum) > tolerance ? 1 - tolerance / norm(sum) : 0;
     for (; f < end; ++f) out[f] = out[f] * share;
   }
   return out;

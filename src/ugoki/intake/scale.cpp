@@ -52,18 +52,12 @@ MissingTravel find_missing_travel(const body::Character& character, const Measur
   if (character.plan == body::BodyPlan::four_legs)
     for (const body::Limb& l : character.arms) feet.push_back(l.tip >= 0 ? l.tip : l.end >= 0 ? l.end : l.distal);
   const std::vector<std::vector<Pose>> world = world_of(motion);
-  const int span = std::max(1, static_cast<int>(0.03 * motion.rate));
-  std::vector<Vec3> body;
+  std::vector<Vec3> body, points(world.size());
   for (const auto& X : world) body.push_back(X[at(character.pelvis)].p);
   std::vector<FootTrack> tracks;
   for (const int foot : feet) {
-    FootTrack& track = tracks.emplace_back();
-    for (int f = 0; f < motion.frames; ++f) {
-      const int before = std::max(0, f - span), after = std::min(motion.frames - 1, f + span);
-      track.height.push_back(world[at(f)][at(foot)].p.z);
-      track.velocity.push_back((world[at(after)][at(foot)].p - world[at(before)][at(foot)].p) *
-                               (motion.rate / std::max(1, after - before)));
-    }
+    for (std::size_t f = 0; f < world.size(); ++f) points[f] = world[f][at(foot)].p;
+    tracks.push_back(foot_track(points, motion.rate));
   }
   return ugoki::find_missing_travel(tracks, body, motion.rate, character.leg_length);
 }

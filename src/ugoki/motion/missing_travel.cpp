@@ -71,6 +71,17 @@ std::vector<Vec3> smooth_velocity(const std::vector<Sample>& standing, std::size
 
 }  // namespace
 
+FootTrack foot_track(std::span<const Vec3> points, double rate) {
+  FootTrack out;
+  const std::size_t span = std::max<std::size_t>(1, static_cast<std::size_t>(0.03 * rate));
+  for (std::size_t f = 0; f < points.size(); ++f) {
+    const std::size_t before = f - std::min(f, span), after = std::min(points.size() - 1, f + span);
+    out.height.push_back(points[f].z);
+    out.velocity.push_back((points[after] - points[before]) * (rate / static_cast<double>(std::max<std::size_t>(1, after - before))));
+  }
+  return out;
+}
+
 MissingTravel find_missing_travel(std::span<const FootTrack> feet, std::span<const Vec3> body, double rate, double leg) {
   const std::size_t n = body.size();
   if (feet.empty() || n < min_samples || !(leg > 0) || !(rate > 0)) return {};

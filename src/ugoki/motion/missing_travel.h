@@ -14,6 +14,10 @@ struct FootTrack {
   std::vector<Vec3> velocity;  ///< [frames] m/s, of the material point that is the lowest one
 };
 
+/// The track of a foot of which one point is known. Velocities are mean values over 0.03 s before and after a frame.
+/// @param points [frames] m @param rate frames per second
+[[nodiscard]] FootTrack foot_track(std::span<const Vec3> points, double rate);
+
 /// Travel that a character lacks.
 struct MissingTravel {
   Vec3 velocity;            ///< m/s, horizontal: mean velocity that the character lacks

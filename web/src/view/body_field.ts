@@ -225,7 +225,7 @@ export class BodyField {
 
   /** Prepares calls of distance() for points within `reach` (m) of a point: they skip the links that are too far away to matter. */
   look_near(x: number, y: number, z: number, reach: number): void {
-const { near } = this;
+    const { near } = this;
     let count = 0;
     for (const l of this.links) if (length(x - l.centre.x, y - l.centre.y, z - l.centre.z) - l.reach - l.blend < farthest + 1.01 * reach) near[count++] = l;
     near.length = count;
