@@ -300,6 +300,7 @@ TEST(Gait, ErrorsNameTheRemedy) {
 }
 
 /// Simulates a gait of 8 s, with start and stop, without root assist. Returns the rms error of the joints, degrees.
+/// @param min_way share of the way of the motion that the character has to cover
 double tracking_error(const MechanismPtr& m, GaitOptions o, double min_way) {
   o.seconds = 8;
   const Motion motion = make_gait(m, o).value();
@@ -316,7 +317,9 @@ double tracking_error(const MechanismPtr& m, GaitOptions o, double min_way) {
     ADD_FAILURE() << m->name() << " fell at " << s.memory.time << " s";
     break;
   }
-  EXPECT_GT(std::hypot(s.state.q[0] - start, s.state.q[1]), min_way);
+  const double* end = motion.frame(motion.frames - 1);
+  const double way = std::hypot(end[0] - motion.frame(0)[0], end[1]);
+  EXPECT_NEAR(std::hypot(s.state.q[0] - start, s.state.q[1]), way, (1 - min_way) * way);
   return std::sqrt(sum / count);
 }
 
@@ -336,7 +339,7 @@ TEST(Gait, TooShortMotionsAreNoted) {
 TEST(Gait, SurvivesWithoutAssist) {
   GaitOptions o;
   o.stages = {{0, GaitKind::walk, 1.25, 0}, {3, GaitKind::walk, 1.25, 0.785}};
-  EXPECT_LT(tracking_error(person(), o, 2), 1.5);
+  EXPECT_LT(tracking_error(person(), o, 0.9), 1.5);
 }
 
 // Soles that stand bear load from heel to toe. With pressure at the toes only, each step is braked, and a slow walk nearly stands still.
@@ -358,7 +361,7 @@ TEST(Gait, SixLegsSurviveWithoutAssist) {
   for (const GaitKind kind : {GaitKind::walk, GaitKind::trot}) {
     GaitOptions o;
     o.stages = {{0, kind, usual_speed(machine, kind).value(), 0}};
-    EXPECT_LT(tracking_error(machine, o, 1), 3) << name_of(kind);
+    EXPECT_LT(tracking_error(machine, o, 0.97), 1.5) << name_of(kind);
   }
 }
 
@@ -366,27 +369,47 @@ TEST(Gait, SixLegsSurviveWithoutAssist) {
 TEST(Gait, DogWalkSurvivesWithoutAssist) {
   GaitOptions o;
   o.stages = {{0, GaitKind::walk, 0.9, 0}};
-  EXPECT_LT(tracking_error(dog(), o, 2.5), 6);
+  EXPECT_LT(tracking_error(dog(), o, 0.9), 4.5);
 }
 
 TEST(Gait, DogTrotSurvivesWithoutAssist) {
   GaitOptions o;
   o.stages = {{0, GaitKind::trot, 1.8, 0}};
-  EXPECT_LT(tracking_error(dog(), o, 6), 4.5);
+  EXPECT_LT(tracking_error(dog(), o, 0.95), 3);
 }
 
 // A person starts walking, runs with flights, and stops.
 TEST(Gait, RunSurvivesWithoutAssist) {
   GaitOptions o;
   o.stages = {{0, GaitKind::run, 3, 0}};
-  EXPECT_LT(tracking_error(person(), o, 4), 6);
+  EXPECT_LT(tracking_error(person(), o, 0.8), 6);
 }
 
 // A dog starts with a trot and canters. While it accelerates, its trunk keeps its mean pitch.
 TEST(Gait, DogCanterSurvivesWithoutAssist) {
   GaitOptions o;
   o.stages = {{0, GaitKind::canter, 2.4, 0}};
-  EXPECT_LT(tracking_error(dog(), o, 6), 6);
+  EXPECT_LT(tracking_error(dog(), o, 0.85), 5);
+}
+
+TEST(Gait, DogGallopSurvivesWithoutAssist) {
+  GaitOptions o;
+  o.stages = {{0, GaitKind::gallop, 3.5, 0}};
+  EXPECT_LT(tracking_error(dog(), o, 0.8), 7);
+}
+
+// Inverse kinematics of a leg that is nearly stretched out jumped from frame to frame.
+TEST(Gait, LegsOfAWalkingDogDoNotJump) {
+  const Motion motion = make_gait(dog(), stride_of(GaitKind::walk, 0.9)).value();
+  std::vector<double> before(at(dog()->nv())), after(before.size());
+  const auto frame = [&](int f) { return std::span(motion.frame(f), at(motion.nq)); };
+  double jump = 0;
+  for (int f = 1; f + 1 < motion.frames; ++f) {
+    difference(*dog(), frame(f - 1), frame(f), before);
+    difference(*dog(), frame(f), frame(f + 1), after);
+    for (std::size_t i = 6; i < before.size(); ++i) jump = std::max(jump, std::fabs(after[i] - before[i]));
+  }
+  EXPECT_LT(jump, 0.2);  // rad: second difference of a joint
 }
 
 // Balance control takes the stances of a computed gait as they are, and does not detect them again.

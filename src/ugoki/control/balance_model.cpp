@@ -1,6 +1,7 @@
 #include "ugoki/control/balance_model.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "ugoki/base/check.h"
 #include "ugoki/dynamics/jacobian.h"
@@ -17,6 +18,25 @@ SmoothStep smooth_step(double x) {
   if (x <= 0) return {0, 0, 0};
   if (x >= 1) return {1, 0, 0};
   return {x * x * x * (10 + x * (6 * x - 15)), 30 * x * x * (1 - x) * (1 - x), 60 * x * (1 - x) * (1 - 2 * x)};
+}
+
+BalanceOptions sized_for(BalanceOptions options, double height, std::size_t feet) {
+  constexpr double person = 0.8, smallest = 0.02;  // m
+  const double length = std::clamp(height, smallest, person) / person, time = std::sqrt(length);
+  BalanceOptions& o = options;
+  for (double* rate : {&o.com_gain, &o.height_frequency, &o.trunk_frequency, &o.momentum_gain, &o.joint_frequency, &o.swing_frequency,
+                       &o.sole_damping, &o.shift_growth})
+    *rate /= time;
+  o.pelvis_weight *= length * length;
+  o.chest_weight *= length * length;
+  if (feet > 2) {
+    o.leg_weight = o.many_leg_weight;
+    o.momentum_weight = o.many_momentum_weight;
+    o.pelvis_weight *= o.many_trunk_weight;
+    o.chest_weight *= o.many_trunk_weight;
+    o.landing = o.many_landing;
+  }
+  return options;
 }
 
 BalanceModel::BalanceModel(MechanismPtr m, std::shared_ptr<const ReferenceMotion> reference, const BalanceOptions& settings, double level,
@@ -50,6 +70,9 @@ BalanceModel::BalanceModel(MechanismPtr m, std::shared_ptr<const ReferenceMotion
   std::vector<Pose> X(at(mechanism->link_count()));
   calc_poses(*mechanism, mechanism->neutral(), X);
   rest_pelvis = X[0].R;
+  double sole_height = 0;
+  for (std::size_t f = 0; f < feet.size(); ++f) sole_height += (X[link_of(f)] * feet[f].sole).z / static_cast<double>(feet.size());
+  options = sized_for(settings, centre_of_mass(*mechanism, X).z - sole_height, feet.size());
   for (std::size_t f = 1; f < feet.size(); ++f)
     if (X[link_of(f)].p.y > X[link_of(left_foot)].p.y) left_foot = f;
 }

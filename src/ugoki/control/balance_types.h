@@ -11,7 +11,8 @@
 
 namespace ugoki::control {
 
-/// Parameters of the controller. Members named ..._weight are the cost of a squared acceleration error, in (m/s^2)^-2 or (rad/s^2)^-2.
+/// Parameters of the controller for a person or a larger character; for smaller ones see sized_for(). Members named ..._weight are the cost
+/// of a squared acceleration error, in (m/s^2)^-2 or (rad/s^2)^-2.
 struct BalanceOptions {
   double com_gain = 3;  ///< 1/s: gain k of step 3 above
   double com_weight = 100;
@@ -22,7 +23,11 @@ struct BalanceOptions {
   double momentum_weight = 0.3;  ///< weight of the angular momentum divided by the mean moment of inertia, about the centre of mass
   double joint_frequency = 20;   ///< rad/s: natural frequency of the errors of joints
   double joint_weight = 1, leg_weight = 0.3;
-  double swing_frequency = 45;  ///< rad/s: natural frequency of the errors of swing feet
+  double many_leg_weight = 0.03,   ///< leg_weight of characters on more than two feet, whose feet determine the posture of the legs
+      many_momentum_weight = 0.9,  ///< momentum_weight of characters on more than two feet
+      many_trunk_weight = 0.5,     ///< factor on pelvis_weight and chest_weight of characters on more than two feet
+      many_landing = 0.7;          ///< `landing` of characters on more than two feet
+  double swing_frequency = 45;     ///< rad/s: natural frequency of the errors of swing feet
   double swing_weight = 60, swing_turn_weight = 3;
   double turn_margin =
       0.1;  ///< rad: on slopes, the orientation of a swing foot counts less if a joint of the foot is closer than this to a limit
@@ -109,6 +114,13 @@ struct BalanceOptions {
   double landing_time = 0.6;      ///< s: time after a landing in which the deceleration is limited
   Vec3 gravity{0, 0, -9.81};      ///< m/s^2, world
 };
+
+/// Options for characters of any size. Let L be the height of the standing character's centre of mass divided by 0.8 m. If L is below 1,
+/// frequencies and gains are divided by sqrt(L), as motions of similar bodies under gravity are faster (Froude scaling). The weights of the
+/// orientations of pelvis and chest are multiplied by L^2, so that an angular acceleration costs as much as the linear acceleration of a
+/// point of the trunk. Characters on more than two feet get their own weights.
+/// @param height m: of the centre of mass of the standing character above its soles
+[[nodiscard]] BalanceOptions sized_for(BalanceOptions options, double height, std::size_t feet);
 
 /// How the character is supported, apart from walking and standing (HangPlan).
 enum class HangMode : std::uint64_t {

@@ -75,6 +75,16 @@ void GroundSupport::find_bearing(const BalanceModel& model, const BalanceState& 
   }
 }
 
+bool GroundSupport::tips_about(const BalanceModel& model, std::size_t f, const Vec3& axis, double cosine) {
+  for (int link = model.feet[f].link; link > 0; link = model.mechanism->link(link).parent) {
+    const Link& l = model.mechanism->link(link);
+    for (int k = 0; k < l.joint.nv(); ++k)
+      if (std::fabs(dot(axis, normalized(model.now.S[at(l.v_index + k)].w))) > cosine) return true;
+    if (l.joint.nv() > 0) break;
+  }
+  return false;
+}
+
 void GroundSupport::find_hovering(const BalanceModel& model, const BalanceState& state, const Vec3& pressure, std::size_t f) {
   const BalanceOptions& o = model.options;
   constexpr double edge = 0.01;   // m: bearing points that are this close to the edge stay
@@ -132,6 +142,13 @@ void GroundSupport::find_hovering(const BalanceModel& model, const BalanceState&
     if (b.foot == static_cast<int>(f)) bearing += b.p, count += 1;
   if (count == 0) return;
   const Vec3 way = normalized(horizontal(middle - bearing / count), {});
+  // A foot without an ankle tips about the axis of its own joint only. To press down its left or right edge, the whole leg and the body
+  // would have to move.
+  constexpr double across = 0.7;  // cosine of the angle between the two axes
+  if (!model.feet[f].turns && !tips_about(model, f, cross(Vec3{0, 0, 1}, way), across)) {
+    hovering_.resize(first);
+    return;
+  }
   double max_along = -1e9;
   for (const BearingPoint& b : bearing_)
     if (b.foot == static_cast<int>(f)) max_along = std::max(max_along, dot(b.p, way));

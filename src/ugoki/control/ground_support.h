@@ -77,6 +77,9 @@ class GroundSupport {
   /// Finds the hovering points of a standing foot, and removes its bearing points that are not at the edge over which it has to tip.
   void find_hovering(const BalanceModel& model, const BalanceState& state, const Vec3& pressure, std::size_t foot);
 
+  /// True if an axis of the foot's own joint is parallel to `axis` (unit) or encloses an angle with it whose cosine is above `cosine`.
+  [[nodiscard]] static bool tips_about(const BalanceModel& model, std::size_t foot, const Vec3& axis, double cosine);
+
   static constexpr double min_rise = 0.5;      // minimum z of a normal: a surface steeper than 60 degrees does not support a foot
   static constexpr double near_ground = 0.01;  // m: points closer than this span the support area
 

@@ -26,6 +26,16 @@ Mat3 incline_of(const Vec3& normal) {
   return sine > 1e-9 ? rotation_about(axis / sine, atan2(sine, normal.z)) : Mat3::identity();
 }
 
+/// m, horizontal: where a swing foot shall be now, minus the place of the reference's foot.
+Vec3 swing_shift(const BalanceModel& model, const BalanceState& state, std::size_t f) {
+  const BalanceState::FootState& foot = state.feet[f];
+  const ScheduledFoot planned = model.schedule.at(f, state.time);
+  const double length = planned.end - planned.begin;
+  const double phase = planned.stands ? 1 : std::isfinite(length) ? (state.time - planned.begin) / length : 0.5;
+  const Vec3 from{foot.offset[0], foot.offset[1], 0}, to{foot.shift[0] + foot.place[0], foot.shift[1] + foot.place[1], 0};
+  return from + (to - from) * smooth_step(phase).value;
+}
+
 }  // namespace
 
 LegPosture::LegPosture(const BalanceModel& model)
@@ -47,14 +57,20 @@ void LegPosture::update(const BalanceModel& model, const BalanceState& state) {
   std::ranges::copy(model.q_ref, q_.begin());
   const double level = model.floor + state.z;  // m: mean height of the ground
   for (std::size_t f = 0; f < model.feet.size(); ++f) {
-    reaches_[f] = state.feet[f].stands && !dofs_[f].empty() ? 1 : 0;
-    if (!reaches_[f]) continue;
     const BalanceState::FootState& foot = state.feet[f];
+    const bool many = model.feet.size() > 2;
+    reaches_[f] = (foot.stands || many) && !dofs_[f].empty() ? 1 : 0;
+    if (!reaches_[f]) continue;
+    if (!foot.stands) {
+      goal_[f] = {model.ref.X_WB[at(model.feet[f].link)].R, model.reference_sole(f) + swing_shift(model, state, f)};
+      continue;
+    }
     // On level ground, all legs keep the posture of the reference.
     const double rise = foot.to[2] - level, slope = norm(Vec3{foot.tilt[0], foot.tilt[1], 0});
     const double uneven = std::min(1.0, std::fabs(rise) / uneven_rise + slope / uneven_slope);
     goal_[f] = {incline_of(normalized(Vec3{-foot.tilt[0], -foot.tilt[1], 1})) * model.ref.X_WB[at(model.feet[f].link)].R,
                 model.reference_sole(f) + Vec3{0, 0, rise + uneven * state.lower}};
+    if (many) goal_[f].p = {model.sole(f).x, model.sole(f).y, goal_[f].p.z};
   }
   for (int k = 0; k < iterations; ++k) {
     dynamics::update_kinematics(*model.mechanism, q_, zero_, ws_);

@@ -1,5 +1,5 @@
 #pragma once
-// Posture of the standing legs on uneven ground: the reference with legs that reach the ground.
+// Posture of the legs: the reference with legs that reach the places of their feet.
 
 #include <vector>
 
@@ -8,7 +8,9 @@
 namespace ugoki::control {
 
 /// Inverse kinematics of the standing legs below the pelvis of the reference. Where the ground is higher, lower or steeper than in the
-/// reference, the joints of the leg have other angles than in the reference. Horizontal displacements of the feet are not adapted.
+/// reference, the joints of the leg have other angles than in the reference. Two feet: horizontal displacements are not adapted, because
+/// the reference is displaced to the standing foot. Several standing feet have different displacements: the legs of characters on more than
+/// two feet, also those in swing, are adapted to them.
 class LegPosture {
  public:
   explicit LegPosture(const BalanceModel& model);

@@ -57,7 +57,9 @@ void ReferenceAnchor::update(const BalanceModel& model, double dt, BalanceState&
   for (std::size_t f = 0; f < model.feet.size(); ++f) {
     if (!state.feet[f].stands) continue;
     const double share = weights[f] / sum;
-    const Pose &X = model.now.X_WB[at(model.feet[f].link)], &X_ref = model.ref.X_WB[at(model.feet[f].link)];
+    // A foot without an ankle turns with its leg. The heading then follows the pelvis.
+    const std::size_t link = model.feet[f].turns ? at(model.feet[f].link) : 0;
+    const Pose &X = model.now.X_WB[link], &X_ref = model.ref.X_WB[link];
     const Vec3 offset = model.sole(f) - model.reference_sole(f);
     shift += offset * share;
     const ScheduledFoot planned = model.schedule.at(f, state.time);

@@ -359,6 +359,8 @@ class Maker {
       toe_out = (leg.place.left ? 1 : -1) * (6 - 3 * b.run) * pi / 180;
     } else {
       home.y *= o_.style.width * (1 - 0.12 * b.moving);
+      // Four legs swing about a place that is halfway below their hips, so that they reach as far ahead as behind.
+      if (w_.legs.size() == 4) home.x += 0.5 * b.moving * (leg.hip_ahead - home.x);
     }
     const SinCos h = sin_cos(b.heading);
     s.place = {b.x + h.cos * home.x - h.sin * home.y, b.y + h.sin * home.x + h.cos * home.y, 0};

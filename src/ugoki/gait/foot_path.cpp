@@ -158,10 +158,15 @@ FootPose foot_pose(const Walker& w, const GaitOptions& o, const Course& course, 
   out.X_WF.R = ground_axes(between) * about_y(leg.point_foot ? 0 : pitch) * leg.R_HF;
   // At touch-down the foot still moves ahead while it brakes, so that it does not wait at its place with a stretched leg.
   const SinCos ahead = sin_cos(to.heading);
+  // Four legs accelerate their feet at once (cubic instead of quintic polynomial). The foot is then ahead of and behind its places by half
+  // as much, relative to the body, and the legs stay within the limits of their joints.
+  const double jump = w.legs.size() == 4 ? 6 * body.moving : 0;
   const double landing = w.biped ? 0.92 * (1 - 0.4 * body.run) * body.moving * std::max(0.0, body.speed) : 0, brake = -22 * landing;
   for (int i = 0; i < 3; ++i) {
     const double along = i == 0 ? ahead.cos : i == 1 ? ahead.sin : 0;
-    out.X_WF.p[i] = quintic({lift.p[i], rate[i], 0}, {land.p[i], along * landing * now.length, along * brake * now.length * now.length}, s);
+    const double a = i < 2 ? jump * (land.p[i] - lift.p[i]) : 0;
+    out.X_WF.p[i] =
+        quintic({lift.p[i], rate[i], a}, {land.p[i], along * landing * now.length, along * brake * now.length * now.length - a}, s);
   }
   // A walking foot is near the ground in the last part of its swing; a running foot is not, because it would touch too early.
   const double late = w.biped ? 1 - body.run : 0;

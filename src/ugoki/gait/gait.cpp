@@ -104,7 +104,7 @@ class Generator {
         const double size = 0.5 * 0.046 * leg / 0.9 * std::min(1.4, ratio * ratio) * b.moving * (1 - b.run) * o_.style.bounce;
         z += size * (cos(4 * pi * (phase_of(left) - 0.5 * left.duty + 0.035)) - 1);
       } else {
-        z -= 0.02 * leg * b.moving;
+        z -= (w_.legs.size() == 4 ? 0.04 : 0.02) * leg * b.moving;
       }
       height_[at(f)] = z;
     }
@@ -351,10 +351,10 @@ class Generator {
   /// Reports a motion in which balance control has not kept the body upright without root assist (docs/gait.md).
   void note_balance() {
     const double unit = std::sqrt(o_.gravity * w_.hip_height);
-    constexpr double max_gallop = 1.5, max_miss = 0.03;  // speed / sqrt(g l); share of the hip height
+    constexpr double max_gallop = 1.9, max_miss = 0.03;  // speed / sqrt(g l); share of the hip height
     for (const GaitStage& s : o_.stages) {
       const bool gallops = s.kind == GaitKind::gallop || s.kind == GaitKind::rotary;
-      if (s.kind == GaitKind::bound || s.kind == GaitKind::pronk || (gallops && s.speed > max_gallop * unit)) {
+      if (s.kind == GaitKind::pronk || (gallops && s.speed > max_gallop * unit)) {
         report_.notes.push_back("Without root assist, a character usually falls in the gait '" + std::string(name_of(s.kind)) + "'" +
                                 (gallops ? " at more than " + to_fixed(max_gallop * unit, 1) + " m/s." : "."));
         return;

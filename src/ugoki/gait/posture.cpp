@@ -167,6 +167,15 @@ void Poser::set_trunk(int frame, double pitch, const Swing& swing, std::span<dou
   calc_poses(*w_.mechanism, q, X_);
 }
 
+/// Place of a swing foot that its leg reaches without being stretched out: near full length, small movements of the foot move the joints
+/// fast.
+Vec3 Poser::within_reach(const WalkerLeg& leg, const Vec3& p) const {
+  constexpr double from = 0.92, to = 0.975;  // shares of the length: where the place begins to differ, and its maximum
+  const Vec3 hip = X_[at(leg.hip)].p, way = p - hip;
+  const double d = norm(way) / leg.length, range = to - from;
+  return d <= from ? p : hip + way * ((to - range * range / (range + d - from)) / d);
+}
+
 double Poser::pose(int frame, const Vec3& centre, double pitch, const Swing& swing, std::span<double> q) {
   const Mechanism& m = *w_.mechanism;
   set_trunk(frame, pitch, swing, q);
@@ -187,6 +196,8 @@ double Poser::pose(int frame, const Vec3& centre, double pitch, const Swing& swi
       goal.target = feet_[k].X_WF * leg.point;
       // A paw is turned by its own joint only; the posture of the other joints of a leg stays near the standing posture.
       const bool free = !w_.biped && !leg.point_foot && leg.chain.size() > 2;
+      const bool stands = course_.legs[k][at(frame)].stands;
+      if (free && !stands) goal.target = within_reach(leg, goal.target);
       goal.turn = !leg.point_foot && !free;
       goal.R = feet_[k].X_WF.R;
       goal.length = leg.length;
@@ -196,9 +207,20 @@ double Poser::pose(int frame, const Vec3& centre, double pitch, const Swing& swi
           std::copy_n(w_.q_stand.data() + m.link(i).q_index, m.link(i).joint.nq(), q.data() + m.link(i).q_index);
       for (const int i : leg.chain) solver_.place(i, q.data(), X_);
       if (leg.limb >= 0) bend_leg(leg, feet_[k].X_WF, q);
+      if (free && round == 0) {
+        // The foot moves along a straight line from its place in the standing posture, so the posture is a smooth function of its place.
+        const Vec3 start = X_[at(leg.link)] * leg.point, way = goal.target - start;
+        constexpr int steps = 12;
+        goal.iterations = 2;
+        for (int i = 1; i <= steps; ++i) {
+          goal.target = start + way * (static_cast<double>(i) / steps);
+          if (i == steps) goal.iterations = 6;
+          solver_.solve(leg.chain, goal, q.data(), X_);
+        }
+      }
       miss = std::max(miss, solver_.solve(leg.chain, goal, q.data(), X_));
       // The paw may not reach its orientation; then the leg moves until the point on which it stands is at its place.
-      const int corrections = !free ? 0 : course_.legs[k][at(frame)].stands ? 4 : 1;
+      const int corrections = !free ? 0 : stands ? 4 : 1;
       for (int i = 0; i < corrections; ++i) {
         if (i > 0) {
           const Vec3 missing = feet_[k].X_WF * feet_[k].pivot - X_[at(leg.link)] * feet_[k].pivot;

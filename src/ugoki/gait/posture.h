@@ -30,6 +30,8 @@ class Poser {
   void set_trunk(int frame, double pitch, const Swing& swing, std::span<double> q);
   void orient_chain(std::span<const int> links, const Mat3& from, const Mat3& to, std::span<double> q);
   void bend_leg(const WalkerLeg& leg, const Pose& X_WF, std::span<double> q);
+  /// @param p m, world: wanted place of WalkerLeg::point
+  [[nodiscard]] Vec3 within_reach(const WalkerLeg& leg, const Vec3& p) const;
   void set_root(const Pose& X, std::span<double> q);
 
   const Walker& w_;

@@ -161,6 +161,7 @@ class Maker {
       const Vec3 sole = X_[at(leg.link)].p + leg.R_HF * leg.sole;
       leg.home = sole - centre;
       low = std::min(low, sole.z);
+      leg.hip_ahead = X_[at(leg.hip)].p.x - centre.x;
       leg.hip_side = X_[at(leg.hip)].p.y - centre.y;
       leg.place.left = w_.biped ? leg.hip_side > 0 : leg.home.y > 0;
     }

@@ -24,6 +24,7 @@ struct WalkerLeg {
   double heel_radius = 0, toe_radius = 0;  ///< m
   Vec3 home;                               ///< m, in H: the middle of the sole while the character stands, from the centre of mass; z = 0
   int limb = -1;                           ///< limb of the rig (retarget::LimbName) with thigh and shank; -1: none
+  double hip_ahead = 0;                    ///< m, in H: x of the hip, from the centre of mass
   double hip_side = 0;                     ///< m, in H: y of the hip
   std::vector<int> toes;                   ///< links of the toes, which stay level while the heel rises
   std::vector<Vec3> points;                ///< m, in F: low points of the sole
