@@ -412,6 +412,27 @@ TEST(Gait, LegsOfAWalkingDogDoNotJump) {
   EXPECT_LT(jump, 0.2);  // rad: second difference of a joint
 }
 
+// A walk of four legs has always one foot in the air if each foot stands for 75 % of its stride, and could never stop.
+TEST(Gait, MotionsBeginAndEndStanding) {
+  const auto check = [](const MechanismPtr& m, GaitKind kind, double speed) {
+    GaitOptions o;
+    o.stages = {{0, kind, speed, 0}};
+    o.seconds = 14;
+    const Motion motion = make_gait(m, o).value();
+    const int still = static_cast<int>(0.1 * motion.rate);
+    for (const ContactTrack& track : motion.contacts)
+      for (int f = 0; f < still; ++f) {
+        EXPECT_TRUE(track.on[at(f)]) << name_of(kind) << " at the start";
+        EXPECT_TRUE(track.on[at(motion.frames - 1 - f)]) << name_of(kind) << " at the end";
+      }
+  };
+  for (const double speed : {0.4, 0.7, 1.0}) check(dog(), GaitKind::walk, speed);
+  for (const GaitKind kind : {GaitKind::trot, GaitKind::pace, GaitKind::canter, GaitKind::gallop})
+    check(dog(), kind, usual_speed(dog(), kind).value());
+  for (const GaitKind kind : {GaitKind::walk, GaitKind::run}) check(person(), kind, usual_speed(person(), kind).value());
+  for (const GaitKind kind : {GaitKind::walk, GaitKind::trot}) check(hexapod(), kind, usual_speed(hexapod(), kind).value());
+}
+
 // Balance control takes the stances of a computed gait as they are, and does not detect them again.
 TEST(Gait, StancesReachTheController) {
   for (const MechanismPtr& m : {person(), dog(), hexapod()}) {

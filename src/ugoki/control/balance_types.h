@@ -23,7 +23,8 @@ struct BalanceOptions {
   double momentum_weight = 0.3;  ///< weight of the angular momentum divided by the mean moment of inertia, about the centre of mass
   double joint_frequency = 20;   ///< rad/s: natural frequency of the errors of joints
   double joint_weight = 1, leg_weight = 0.3;
-  double many_leg_weight = 0.03,   ///< leg_weight of characters on more than two feet, whose feet determine the posture of the legs
+  double many_leg_weight =
+             0.1,  ///< leg_weight of large characters on more than two feet, whose feet determine most of the posture of the legs
       many_momentum_weight = 0.9,  ///< momentum_weight of characters on more than two feet
       many_trunk_weight = 0.5,     ///< factor on pelvis_weight and chest_weight of characters on more than two feet
       many_landing = 0.7;          ///< `landing` of characters on more than two feet

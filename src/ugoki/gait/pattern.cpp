@@ -139,7 +139,7 @@ Pattern pattern_of(GaitKind kind, const std::vector<LegPlace>& legs, double leg_
     else
       stride_of(1.9 * pow(slow, 0.80));
     switch (kind) {
-      case GaitKind::walk: out.duty = std::clamp(0.75 - 0.15 * (V - 0.25) / 0.45, 0.60, 0.75); break;
+      case GaitKind::walk: out.duty = std::clamp(0.75 - 0.15 * (V - 0.25) / 0.45, 0.60, 0.84); break;
       case GaitKind::run:
       case GaitKind::trot:
       case GaitKind::pace: out.duty = std::clamp(0.55 - 0.10 * (V - 0.5) / 0.7, 0.38, 0.55); break;
