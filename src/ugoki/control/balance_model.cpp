@@ -30,8 +30,8 @@ BalanceOptions sized_for(BalanceOptions options, double height, std::size_t feet
   o.pelvis_weight *= length * length;
   o.chest_weight *= length * length;
   if (feet > 2) {
-    constexpr double least = 0.25;  // smaller machines keep to the posture of their legs as dogs do
-    o.leg_weight = o.many_leg_weight * std::max(length * length, least);
+    constexpr double min_share = 0.25;  // smaller machines keep to the posture of their legs as dogs do
+    o.leg_weight = o.many_leg_weight * std::max(length * length, min_share);
     o.momentum_weight = o.many_momentum_weight;
     o.pelvis_weight *= o.many_trunk_weight;
     o.chest_weight *= o.many_trunk_weight;
