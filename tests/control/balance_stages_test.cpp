@@ -170,7 +170,28 @@ TEST(ReferenceAnchor, TurnsBackToItsHeadingOnASlopeToo) {
   model.centroid = dynamics::calc_centroidal(*model.mechanism, model.now);
   ReferenceAnchor anchor;
   anchor.update(model, model.options.heading_time, state);
-  EXPECT_NEAR(state.heading, 0.2 * (1 - model.options.homing), 1e-6);
+  EXPECT_NEAR(state.heading, 0.2 * (1 - model.options.turn_homing), 1e-6);
+}
+
+// The distance to the reference's own place was limited by the height above the floor of the scene instead of that above the ground: below
+// the floor of the scene, the character walked away from its place.
+TEST(ReferenceAnchor, ReturnsToItsPlaceOnHighAndLowGround) {
+  const Walker w;
+  const auto stand = std::make_shared<const ChangedStand>(w, 3, [](double, std::span<double>) {});
+  for (const double height : {0.0, 20.0, -9.0}) {
+    BalanceModel model(w.body.mechanism, stand, {}, 0);
+    BalanceState state;
+    state.feet[0].stands = state.feet[1].stands = 1;
+    state.time = 1;
+    state.y = 3;  // m
+    state.z = height;
+    model.sample_reference(state);
+    dynamics::update_kinematics(*model.mechanism, model.q_ref, model.v_ref, model.now);
+    model.centroid = dynamics::calc_centroidal(*model.mechanism, model.now);
+    ReferenceAnchor anchor;
+    anchor.update(model, model.options.anchor_time, state);
+    EXPECT_NEAR(3 - state.y, model.options.max_homing * (model.want.centre.z - height), 0.002) << height;
+  }
 }
 
 TEST(BalanceControl, PlanKeepsJointLimits) {

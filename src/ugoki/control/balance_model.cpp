@@ -36,6 +36,9 @@ BalanceOptions sized_for(BalanceOptions options, double height, std::size_t feet
     o.pelvis_weight *= o.many_trunk_weight;
     o.chest_weight *= o.many_trunk_weight;
     o.landing = o.many_landing;
+    // A gallop that turns back faster follows its reference less exactly.
+    o.turn_homing *= 0.5;
+    o.max_turn_home *= 0.5;
   }
   return options;
 }

@@ -63,14 +63,14 @@ struct BalanceOptions {
          hold_from = 0.5;    ///< factor on the cost of a change of a foothold, which grows from the phase `hold_from` to the landing
   double homing = 0.1;       ///< share of its lateral displacement by which the reference is ahead of the foot, back towards its own place
   double max_homing = 0.02;  ///< maximum of this distance, in heights of the centre of mass
-  double max_turn_home = 0.03;  ///< rad: the same for the heading
-  double homing_slope = 0.05;   ///< slope of the ground from which on the reference does not return sideways: balance needs all of the step
-  double heading_time = 0.2;    ///< s: time constant of the anchor's heading; 0: the heading is not anchored
-  double turn_time = 0.1;       ///< s: time constant with which a foot that turns on the ground follows the heading of its reference
-  double shift_growth = 1.5;    ///< 1/s: assumed growth rate of the DCM error until touch-down; without ankle torques the rate is w0
-  double max_transfer = 0.3;    ///< s: maximum duration of the double support in the calculation of how far the next foothold is shifted
-  double shift_time = 0.03;     ///< s: time constant with which the shift of the next foothold is updated
-  double max_shift = 0.8;       ///< m: maximum shift of the next foothold from its place in the reference
+  double turn_homing = 0.2, max_turn_home = 0.06;  ///< the same for the heading: share; rad
+  double homing_slope = 0.5;  ///< slope of the ground from which on the reference does not return sideways; below it, it returns less
+  double heading_time = 0.2;  ///< s: time constant of the anchor's heading; 0: the heading is not anchored
+  double turn_time = 0.1;     ///< s: time constant with which a foot that turns on the ground follows the heading of its reference
+  double shift_growth = 1.5;  ///< 1/s: assumed growth rate of the DCM error until touch-down; without ankle torques the rate is w0
+  double max_transfer = 0.3;  ///< s: maximum duration of the double support in the calculation of how far the next foothold is shifted
+  double shift_time = 0.03;   ///< s: time constant with which the shift of the next foothold is updated
+  double max_shift = 0.8;     ///< m: maximum shift of the next foothold from its place in the reference
   double hurry = 1, hurry_from = 0.15,
          max_hurry = 1.4;  ///< 1/m, m, factor: rate of time in a swing = 1 + hurry (shift - hurry_from), between 1 and max_hurry
   double pace_time =

@@ -22,10 +22,10 @@ void ReferenceAnchor::home(const BalanceModel& model, const BalanceState& state,
   const Vec3 own = to_pose(inverse(Placement{state.x, state.y, 0, state.heading})) * horizontal(centre);
   const Vec3 left = model.left(), away = left * dot(horizontal(centre) - own, left);
   const double level = std::max(0.0, 1 - norm(Vec3{state.tilt[0], state.tilt[1], 0}) / model.options.homing_slope);
-  const double largest = model.options.max_homing * (model.want.centre.z - model.floor);
+  const double largest = model.options.max_homing * (model.want.centre.z - model.floor - state.z);
   shift -= away * (level * std::min(model.options.homing, largest / std::max(norm(away), 1e-9)));
   const double turned = std::remainder(state.heading, 2 * pi);
-  turn -= std::clamp(model.options.homing * turned, -model.options.max_turn_home, model.options.max_turn_home);
+  turn -= std::clamp(model.options.turn_homing * turned, -model.options.max_turn_home, model.options.max_turn_home);
 }
 
 void ReferenceAnchor::update(const BalanceModel& model, double dt, BalanceState& state) {
